@@ -114,8 +114,14 @@ mod tests {
 
     #[test]
     fn a_right_angle_is_half_pi() {
-        assert_eq!(Radians::from(Degrees(90.0)), Radians(std::f64::consts::FRAC_PI_2));
-        assert_eq!(Degrees::from(Radians(std::f64::consts::FRAC_PI_2)), Degrees(90.0));
+        assert_eq!(
+            Radians::from(Degrees(90.0)),
+            Radians(std::f64::consts::FRAC_PI_2)
+        );
+        assert_eq!(
+            Degrees::from(Radians(std::f64::consts::FRAC_PI_2)),
+            Degrees(90.0)
+        );
     }
 
     #[test]

@@ -1,0 +1,82 @@
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use crate::{JointsBody, PoseBody};
+
+/// What the program on the controller lets the server promise.
+#[derive(Clone, Copy, Debug, Deserialize, Eq, PartialEq, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Tier {
+    /// Tier 0: the seed program. Single motions end `accepted`; completion is not observable.
+    Seed,
+}
+
+/// A cell and its robots.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
+pub struct CellSummary {
+    /// The cell's id.
+    pub id: String,
+    /// A name for people.
+    pub name: String,
+    /// The robots in it.
+    pub robots: Vec<RobotSummary>,
+}
+
+/// A robot in a list.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
+pub struct RobotSummary {
+    /// The robot's id, unique in its cell.
+    pub id: String,
+    /// A name for people.
+    pub name: String,
+    /// The arm model.
+    pub model: String,
+    /// What its controller can promise.
+    pub tier: Tier,
+}
+
+/// What a robot is and what it can do.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
+pub struct RobotDescription {
+    /// The robot's id.
+    pub id: String,
+    /// The cell.
+    pub cell: String,
+    /// A name for people.
+    pub name: String,
+    /// The arm model's name.
+    pub model: String,
+    /// Who makes the arm.
+    pub manufacturer: String,
+    /// What its controller can promise.
+    pub tier: Tier,
+    /// Where the controller's socket server listens.
+    pub controller_address: String,
+    /// The joints, J1 first.
+    pub joints: Vec<JointDescription>,
+    /// The largest distance of the wrist center from the shoulder axis, in millimeters.
+    pub reach_mm: f64,
+    /// The home joints.
+    pub home: JointsBody,
+    /// The configuration the controller's program keeps, e.g. `N U T, 0, 0, 0`.
+    pub configuration: String,
+    /// The tool: tool center point in the flange frame.
+    pub tool: PoseBody,
+    /// The user frame in the world frame.
+    pub user_frame: PoseBody,
+    /// The fastest programmed speed this cell allows, in mm/s.
+    pub max_speed_mm_s: f64,
+}
+
+/// A joint and its limits, as on the pendant.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
+pub struct JointDescription {
+    /// `J1` to `J6`.
+    pub joint: String,
+    /// Lower limit in degrees.
+    pub min_deg: f64,
+    /// Upper limit in degrees.
+    pub max_deg: f64,
+    /// Fastest speed in degrees a second.
+    pub max_speed_deg_s: f64,
+}

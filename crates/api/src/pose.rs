@@ -1,0 +1,65 @@
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+/// A pose: millimeters, and degrees about the fixed X, Y and Z axes, R = Rz(r) · Ry(p) · Rx(w).
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PoseBody {
+    /// X in millimeters.
+    pub x_mm: f64,
+    /// Y in millimeters.
+    pub y_mm: f64,
+    /// Z in millimeters.
+    pub z_mm: f64,
+    /// W, the rotation about the fixed X axis, in degrees.
+    pub w_deg: f64,
+    /// P, the rotation about the fixed Y axis, in degrees.
+    pub p_deg: f64,
+    /// R, the rotation about the fixed Z axis, in degrees.
+    pub r_deg: f64,
+}
+
+/// Joint values as the teach pendant shows them, in degrees (J3 against the horizontal).
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct JointsBody {
+    /// J1 in degrees.
+    pub j1_deg: f64,
+    /// J2 in degrees.
+    pub j2_deg: f64,
+    /// J3 in degrees.
+    pub j3_deg: f64,
+    /// J4 in degrees.
+    pub j4_deg: f64,
+    /// J5 in degrees.
+    pub j5_deg: f64,
+    /// J6 in degrees.
+    pub j6_deg: f64,
+}
+
+impl From<[f64; 6]> for JointsBody {
+    fn from([j1_deg, j2_deg, j3_deg, j4_deg, j5_deg, j6_deg]: [f64; 6]) -> Self {
+        Self {
+            j1_deg,
+            j2_deg,
+            j3_deg,
+            j4_deg,
+            j5_deg,
+            j6_deg,
+        }
+    }
+}
+
+impl From<JointsBody> for [f64; 6] {
+    fn from(joints: JointsBody) -> Self {
+        let JointsBody {
+            j1_deg,
+            j2_deg,
+            j3_deg,
+            j4_deg,
+            j5_deg,
+            j6_deg,
+        } = joints;
+        [j1_deg, j2_deg, j3_deg, j4_deg, j5_deg, j6_deg]
+    }
+}

@@ -1,0 +1,167 @@
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+use uuid::Uuid;
+
+/// A problem in the form of RFC 9457, media type `application/problem+json`.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
+pub struct Problem {
+    /// A URI reference that names the kind of problem: `/problems/` and the code.
+    #[serde(rename = "type")]
+    pub type_uri: String,
+    /// The kind of problem in a few words; the same for every problem of one code.
+    pub title: String,
+    /// The HTTP status.
+    pub status: u16,
+    /// What happened this time: the item, the value, the limit.
+    pub detail: String,
+    /// The path of the request.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub instance: Option<String>,
+    /// The stable code, for programs.
+    pub code: ProblemCode,
+    /// What is known of the command's effect on the robot.
+    pub outcome: Outcome,
+    /// Whether the same request may succeed later without a change.
+    pub retryable: bool,
+    /// The robot concerned.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub robot: Option<String>,
+    /// The motion concerned, where one was recorded.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub motion: Option<Uuid>,
+    /// The controller's own words, as received.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub controller_text: Option<String>,
+    /// The id of the request, as in the logs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub request_id: Option<String>,
+    /// Each thing wrong, where there are several or a number belongs to it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub violations: Vec<Violation>,
+    /// What to try.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hint: Option<String>,
+}
+
+/// One thing wrong: a field of the request, or a joint of the arm.
+#[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize, ToSchema)]
+pub struct Violation {
+    /// The field's path, e.g. `target.pose.x_mm`, or the joint, e.g. `J5`.
+    pub item: String,
+    /// What is wrong with it.
+    pub message: String,
+    /// The value, in the item's unit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub value: Option<f64>,
+    /// The smallest legal value.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub min: Option<f64>,
+    /// The largest legal value.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max: Option<f64>,
+}
+
+/// What is known of a command's effect on the robot.
+#[derive(Clone, Copy, Debug, Deserialize, Eq, PartialEq, Serialize, ToSchema)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum Outcome {
+    /// Nothing reached the controller.
+    NotSent,
+    /// The controller refused it: not executed.
+    Rejected,
+    /// It may have been executed. Look at the robot before sending anything else.
+    Unknown,
+    /// The request was not a command.
+    None,
+}
+
+macro_rules! problem_codes {
+    ($($(#[$doc:meta])* $variant:ident, $text:literal, $status:literal, $title:literal;)*) => {
+        /// The stable code of a problem. The list only grows.
+        #[derive(Clone, Copy, Debug, Deserialize, Eq, Hash, PartialEq, Serialize, ToSchema)]
+        pub enum ProblemCode {
+            $($(#[$doc])* #[serde(rename = $text)] $variant,)*
+        }
+
+        impl ProblemCode {
+            /// Every code, in the order they were added.
+            pub const ALL: &[Self] = &[$(Self::$variant,)*];
+
+            /// The code as it is written in answers.
+            #[must_use]
+            pub fn as_str(self) -> &'static str {
+                match self { $(Self::$variant => $text,)* }
+            }
+
+            /// The HTTP status that goes with the code.
+            #[must_use]
+            pub fn status(self) -> u16 {
+                match self { $(Self::$variant => $status,)* }
+            }
+
+            /// The kind of problem in a few words.
+            #[must_use]
+            pub fn title(self) -> &'static str {
+                match self { $(Self::$variant => $title,)* }
+            }
+        }
+    };
+}
+
+problem_codes! {
+    /// The body is not JSON.
+    InvalidJson, "invalid-json", 400, "The body is not valid JSON";
+    /// A key is missing, unknown, doubled, of the wrong type or out of range.
+    Validation, "validation", 422, "The request does not fit";
+    /// The content type is not JSON.
+    UnsupportedMediaType, "unsupported-media-type", 415, "The content type is not supported";
+    /// The body is larger than the server reads.
+    PayloadTooLarge, "payload-too-large", 413, "The body is too large";
+    /// No such path, cell, robot or motion.
+    NotFound, "not-found", 404, "Not found";
+    /// The path exists, the method does not.
+    MethodNotAllowed, "method-not-allowed", 405, "The method is not allowed here";
+    /// The request did not arrive, or was not answered, in time.
+    RequestTimeout, "request-timeout", 408, "The request took too long";
+    /// No joint values reach the pose.
+    OutOfWorkspace, "out-of-workspace", 422, "The pose is out of reach";
+    /// The pose is reached only outside the joint limits.
+    JointLimitExceeded, "joint-limit-exceeded", 422, "A joint limit is exceeded";
+    /// The pose is reached, but not in the configuration the controller keeps.
+    NoSolutionInConfiguration, "no-solution-in-configuration", 422,
+        "The pose is not reached in the controller's configuration";
+    /// The pose is at a singularity.
+    Singularity, "singularity", 422, "The pose is singular";
+    /// The controller answered no.
+    ControllerRejected, "controller-rejected", 409, "The controller refused the command";
+    /// The robot's queue is full.
+    ControllerBusy, "controller-busy", 503, "The robot's queue is full";
+    /// No connection to the controller.
+    ControllerDisconnected, "controller-disconnected", 503, "The controller cannot be reached";
+    /// Sent, and no answer in time.
+    ControllerTimeout, "controller-timeout", 504, "The controller did not answer in time";
+    /// Sent, and the answer is not one of the protocol's.
+    ControllerProtocol, "controller-protocol", 502, "The controller's answer is not understood";
+    /// The deadline passed while the command waited in the queue.
+    DeadlinePassed, "deadline-passed", 409, "The deadline passed before the command was sent";
+    /// A relative move without an accepted target to count from.
+    NoAcceptedTarget, "no-accepted-target", 409, "There is no accepted target to count from";
+    /// The server is stopping.
+    ShuttingDown, "shutting-down", 503, "The server is stopping";
+    /// A defect of the server.
+    Internal, "internal", 500, "Something went wrong in the server";
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_code_is_written_as_its_text() {
+        for code in ProblemCode::ALL {
+            let written = serde_json::to_string(code).unwrap();
+            assert_eq!(written, format!("\"{}\"", code.as_str()));
+            assert!((400..600).contains(&code.status()));
+        }
+    }
+}
