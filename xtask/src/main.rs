@@ -1,2 +1,68 @@
-//! See the package description.
-fn main() {}
+//! The project's commands. `cargo xtask run` starts the whole demo cell; `cargo xtask test` runs every test.
+
+mod bench;
+mod ci;
+mod command;
+mod openapi;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+
+/// The project's commands.
+#[derive(Debug, Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask")]
+struct Cli {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Debug, Subcommand)]
+enum Task {
+    /// Build and start the whole demo cell: server and virtual controller in one process.
+    Run {
+        /// Arguments for `robocell`, e.g. `--config plant.toml`.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        args: Vec<String>,
+    },
+    /// Run every test of the workspace.
+    Test {
+        /// Arguments for `cargo test`, e.g. a test's name.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        args: Vec<String>,
+    },
+    /// Everything a change has to pass: format, lints, documentation, dependencies, tests.
+    Ci,
+    /// Write openapi.yaml from the server's routes.
+    Openapi,
+    /// Run a benchmark against the peer, both in one run.
+    Bench {
+        /// Which one.
+        #[arg(value_enum)]
+        which: bench::Which,
+        /// Arguments for the benchmark.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        args: Vec<String>,
+    },
+}
+
+fn main() -> Result<()> {
+    match Cli::parse().task {
+        Task::Run { args } => {
+            command::cargo(&["run", "--release", "--package", "cell", "--"], &args)
+        }
+        Task::Test { args } => ci::test(&args),
+        Task::Ci => ci::all(),
+        Task::Openapi => openapi::write(),
+        Task::Bench { which, args } => bench::run(which, &args),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory as _;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        super::Cli::command().debug_assert();
+    }
+}

@@ -1,0 +1,57 @@
+//! Benchmarks against the peers, each with both sides in one run.
+
+use anyhow::Result;
+use clap::ValueEnum;
+
+use crate::command::cargo;
+
+/// The benchmarks.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum Which {
+    /// Forward and inverse kinematics beside rs-opw-kinematics: the table of ratios.
+    Kinematics,
+    /// The same by criterion, with its statistics and plots.
+    KinematicsCriterion,
+    /// A tier-0 move beside raw TCP and a bare axum route.
+    Bridge,
+    /// Idle memory and time to the first response of the whole cell.
+    Footprint,
+}
+
+/// Runs one benchmark, in release mode.
+pub(crate) fn run(which: Which, args: &[String]) -> Result<()> {
+    match which {
+        Which::Kinematics => binary("kinematics_ratio", args),
+        Which::KinematicsCriterion => cargo(
+            &[
+                "bench",
+                "--package",
+                "benches",
+                "--bench",
+                "kinematics",
+                "--",
+            ],
+            args,
+        ),
+        Which::Bridge => binary("bridge", args),
+        Which::Footprint => {
+            cargo(&["build", "--release", "--package", "cell"], &[])?;
+            binary("footprint", args)
+        }
+    }
+}
+
+fn binary(name: &str, args: &[String]) -> Result<()> {
+    cargo(
+        &[
+            "run",
+            "--release",
+            "--package",
+            "benches",
+            "--bin",
+            name,
+            "--",
+        ],
+        args,
+    )
+}
