@@ -1,0 +1,66 @@
+//! A minimal HTTP/1.1 client on a connection kept open: the load must cost less than what it measures.
+
+use std::net::{Ipv4Addr, SocketAddr};
+
+use anyhow::{Context as _, Result, bail, ensure};
+use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
+use tokio::net::TcpStream;
+
+/// A connection kept open, and the one request it sends again and again.
+pub(crate) struct Connection {
+    stream: TcpStream,
+    request: Vec<u8>,
+    buffer: Vec<u8>,
+}
+
+impl Connection {
+    /// Connects to `port`; `body` makes the request a POST of JSON.
+    pub(crate) async fn open(port: u16, path: &str, body: Option<&str>) -> Result<Self> {
+        let stream = TcpStream::connect(SocketAddr::from((Ipv4Addr::LOCALHOST, port))).await?;
+        stream.set_nodelay(true)?;
+        let request = match body {
+            Some(body) => format!(
+                "POST {path} HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n\
+                 Content-Length: {}\r\n\r\n{body}",
+                body.len()
+            ),
+            None => format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n"),
+        };
+        Ok(Self { stream, request: request.into_bytes(), buffer: Vec::with_capacity(4096) })
+    }
+
+    /// Sends the request and reads the whole answer; the answer's status.
+    pub(crate) async fn exchange(&mut self) -> Result<u16> {
+        self.stream.write_all(&self.request).await?;
+        self.buffer.clear();
+        loop {
+            let count = self.stream.read_buf(&mut self.buffer).await?;
+            ensure!(count > 0, "the server closed the connection");
+            if let Some(status) = parse(&self.buffer)? {
+                return Ok(status);
+            }
+        }
+    }
+}
+
+/// The status, once head and body are complete.
+fn parse(bytes: &[u8]) -> Result<Option<u16>> {
+    let Some(end) = bytes.windows(4).position(|window| window == b"\r\n\r\n") else {
+        return Ok(None);
+    };
+    let (head, rest) = bytes.split_at(end + 4);
+    let head = std::str::from_utf8(head)?;
+    let mut lines = head.lines();
+    let status = lines.next().and_then(|line| line.split(' ').nth(1)).context("a status line")?;
+    let mut length = 0;
+    for line in lines {
+        let Some((name, value)) = line.split_once(':') else { continue };
+        if name.eq_ignore_ascii_case("content-length") {
+            length = value.trim().parse::<usize>()?;
+        }
+        if name.eq_ignore_ascii_case("transfer-encoding") {
+            bail!("chunked answers are not expected here");
+        }
+    }
+    Ok((rest.len() >= length).then_some(status.parse()?))
+}

@@ -1,0 +1,94 @@
+//! Runs an exchange over and over on several connections, and counts.
+
+use std::time::{Duration, Instant};
+
+use anyhow::{Result, ensure};
+use tokio::task::JoinSet;
+
+use crate::{http, raw};
+
+/// What one variant did in one slice of time.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sample {
+    /// Exchanges finished a second.
+    pub(crate) per_second: f64,
+    /// Median duration of an exchange.
+    pub(crate) p50: Duration,
+    /// 99th percentile.
+    pub(crate) p99: Duration,
+}
+
+/// Raw TCP: connection `i` talks to robot `i mod robots`.
+pub(crate) async fn raw_tcp(
+    first_port: u16,
+    robots: usize,
+    connections: usize,
+    slice: Duration,
+) -> Result<Sample> {
+    let mut workers = JoinSet::new();
+    let end = Instant::now() + slice;
+    for worker in 0..connections {
+        let port = first_port + u16::try_from(worker % robots)?;
+        let _handle = workers.spawn(async move {
+            let mut durations = Vec::with_capacity(1 << 14);
+            while Instant::now() < end {
+                let start = Instant::now();
+                raw::exchange(port).await?;
+                durations.push(start.elapsed());
+            }
+            anyhow::Ok(durations)
+        });
+    }
+    collect(workers, slice).await
+}
+
+/// HTTP: worker `i` sends `path(i)` with `body` on a connection of its own and expects `status`.
+pub(crate) async fn over_http(
+    port: u16,
+    path: impl Fn(usize) -> String,
+    body: Option<&'static str>,
+    status: u16,
+    connections: usize,
+    slice: Duration,
+) -> Result<Sample> {
+    let mut workers = JoinSet::new();
+    let mut opened = Vec::new();
+    for worker in 0..connections {
+        opened.push(http::Connection::open(port, &path(worker), body).await?);
+    }
+    let end = Instant::now() + slice;
+    for mut connection in opened {
+        let _handle = workers.spawn(async move {
+            let mut durations = Vec::with_capacity(1 << 14);
+            while Instant::now() < end {
+                let start = Instant::now();
+                let answered = connection.exchange().await?;
+                ensure!(answered == status, "expected status {status}, got {answered}");
+                durations.push(start.elapsed());
+            }
+            anyhow::Ok(durations)
+        });
+    }
+    collect(workers, slice).await
+}
+
+async fn collect(mut workers: JoinSet<Result<Vec<Duration>>>, slice: Duration) -> Result<Sample> {
+    let mut durations = Vec::new();
+    while let Some(worker) = workers.join_next().await {
+        durations.extend(worker??);
+    }
+    durations.sort_unstable();
+    let at = |share: f64| {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_precision_loss,
+            clippy::cast_sign_loss,
+            reason = "an index into a list that fits in memory"
+        )]
+        let index = (durations.len() as f64 * share) as usize;
+        durations.get(index).copied().unwrap_or_default()
+    };
+    #[expect(clippy::cast_precision_loss, reason = "counts stay far below 2^52")]
+    let per_second = durations.len() as f64 / slice.as_secs_f64();
+    Ok(Sample { per_second, p50: at(0.5), p99: at(0.99) })
+}
