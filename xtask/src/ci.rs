@@ -73,7 +73,7 @@ fn dependencies() -> Result<()> {
         bail!("cargo-deny is missing: install it with `cargo install cargo-deny --locked`");
     }
     cargo(
-        &["deny", "--offline", "check", "bans", "licenses", "sources"],
+        &["deny", "check", "bans", "licenses", "sources"],
         &[],
     )
 }

@@ -1,0 +1,90 @@
+//! From the configuration to running parts, and back down in order.
+
+use std::net::SocketAddr;
+
+use anyhow::{Context as _, Result};
+use karel_emulator::PeerLabels;
+use server::{Plan, Seams, TcpConnector};
+use tokio::net::TcpListener;
+use tokio::signal::unix::{SignalKind, signal};
+use tokio_util::sync::CancellationToken;
+
+use crate::config::{self, Loaded};
+use crate::virtual_controllers::{self, Running};
+use crate::{Cli, banner};
+
+/// Runs until it is told to stop.
+///
+/// # Errors
+/// Whatever keeps a part from starting; the message names the file and key, the port, or the program.
+pub(crate) fn start(cli: &Cli) -> Result<()> {
+    let mut loaded = config::load(cli.config.as_deref())?;
+    if let Some(listen) = &cli.listen {
+        loaded.file.server.listen.clone_from(listen);
+    }
+    check(&loaded).with_context(|| format!("in {}", loaded.name))?;
+    if cli.check {
+        return banner::checked(&loaded);
+    }
+    let filter = tracing_subscriber::EnvFilter::try_new(&cli.log)
+        .with_context(|| format!("reading the log filter `{}`", cli.log))?;
+    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).init();
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
+    runtime.block_on(run(loaded))
+}
+
+/// Everything that can be checked before anything starts.
+fn check(loaded: &Loaded) -> Result<()> {
+    let mut cells = loaded.file.cells.clone();
+    let mut addresses = Vec::new();
+    for (index, section) in loaded.file.virtual_controllers.iter().enumerate() {
+        let key = format!("virtual_controllers[{index}]");
+        drop(virtual_controllers::prepare(section, &loaded.folder, &key)?);
+        // Stands for the address that is known once the controller runs.
+        addresses.push((section.name.clone(), SocketAddr::from(([127, 0, 0, 1], 1))));
+    }
+    virtual_controllers::resolve(&mut cells, &addresses)?;
+    let _plan = Plan::try_new(&loaded.file.server, &cells)?;
+    Ok(())
+}
+
+async fn run(loaded: Loaded) -> Result<()> {
+    let Loaded { mut file, folder, name } = loaded;
+    let stop = stop_on_signals()?;
+    let labels = PeerLabels::new();
+    let controllers =
+        virtual_controllers::start_all(&file.virtual_controllers, &folder, &labels).await?;
+    let addresses: Vec<_> =
+        controllers.iter().map(|part| (part.name.clone(), part.robot_address)).collect();
+    virtual_controllers::resolve(&mut file.cells, &addresses)?;
+    let plan =
+        Plan::try_new(&file.server, &file.cells).with_context(|| format!("in {name}"))?;
+    let listen = plan.listen();
+    let listener = TcpListener::bind(listen)
+        .await
+        .with_context(|| format!("serving HTTP on {listen}; is another robocell running?"))?;
+    banner::print(listener.local_addr()?, &file, &controllers)?;
+    let connector =
+        TcpConnector::with_label(move |peer, request_id| labels.set(peer, request_id));
+    server::run(listener, plan, Seams::new(connector), stop).await?;
+    for Running { controller, .. } in controllers {
+        controller.shutdown().await;
+    }
+    Ok(())
+}
+
+/// A token that is cancelled by the first SIGINT or SIGTERM.
+fn stop_on_signals() -> Result<CancellationToken> {
+    let mut interrupt = signal(SignalKind::interrupt()).context("listening for interrupts")?;
+    let mut terminate = signal(SignalKind::terminate()).context("listening for termination")?;
+    let stop = CancellationToken::new();
+    let token = stop.clone();
+    drop(tokio::spawn(async move {
+        tokio::select! {
+            _ = interrupt.recv() => {}
+            _ = terminate.recv() => {}
+        }
+        token.cancel();
+    }));
+    Ok(stop)
+}

@@ -1,0 +1,111 @@
+//! Starts the virtual controllers of a configuration and tells the robots where they are.
+
+use std::net::SocketAddr;
+use std::path::Path;
+
+use anyhow::{Context as _, Result, bail};
+use karel_emulator::{
+    Clock, ControllerConfig, PeerLabels, ProgramSource, SecondClient, VirtualController,
+};
+use kinematics::{ArmModel, PendantJoints};
+use server::config::CellSection;
+
+use crate::config::{SecondClientWord, VirtualControllerSection};
+
+/// The program a virtual controller runs unless the configuration names another.
+const SOCK_SERVER: &str = include_str!("../../programs/sock_server.kl");
+/// How a robot's `controller` refers to a virtual one.
+const SCHEME: &str = "virtual:";
+
+/// A virtual controller that runs, and where robots reach it.
+#[derive(Debug)]
+pub(crate) struct Running {
+    pub(crate) name: String,
+    pub(crate) robot_address: SocketAddr,
+    pub(crate) controller: VirtualController,
+}
+
+/// Starts every controller, in the order of the file.
+///
+/// # Errors
+/// The first that does not start, by its name.
+pub(crate) async fn start_all(
+    sections: &[VirtualControllerSection],
+    folder: &Path,
+    labels: &PeerLabels,
+) -> Result<Vec<Running>> {
+    let mut running: Vec<Running> = Vec::with_capacity(sections.len());
+    for (index, section) in sections.iter().enumerate() {
+        let key = format!("virtual_controllers[{index}]");
+        if running.iter().any(|other| other.name == section.name) {
+            bail!("{key}.name: `{}` is the name of an earlier controller", section.name);
+        }
+        let (config, clock) = prepare(section, folder, &key)?;
+        let controller = VirtualController::start(&config, clock, labels.clone())
+            .with_context(|| format!("starting {key} `{}`", section.name))?;
+        let robot_address = controller.address_of_port(section.robot_port).await?;
+        running.push(Running { name: section.name.clone(), robot_address, controller });
+    }
+    Ok(running)
+}
+
+/// What a section says, checked.
+///
+/// # Errors
+/// The first key that does not fit, with its value and the limit.
+pub(crate) fn prepare(
+    section: &VirtualControllerSection,
+    folder: &Path,
+    key: &str,
+) -> Result<(ControllerConfig, Clock)> {
+    let Some(model) = ArmModel::builtin(&section.model) else {
+        let known = ArmModel::builtin_names().join(", ");
+        bail!("{key}.model: `{}` is none of the models: {known}", section.model);
+    };
+    let mut config = ControllerConfig::new(&*section.name, model);
+    for path in &section.programs {
+        let path = folder.join(path);
+        let text = std::fs::read(&path)
+            .with_context(|| format!("{key}.programs: reading {}", path.display()))?;
+        config = config.with_program(ProgramSource::new(path.display().to_string(), text));
+    }
+    if section.programs.is_empty() {
+        config = config.with_program(ProgramSource::new("sock_server.kl", SOCK_SERVER));
+    }
+    config.port_map.clone_from(&section.ports);
+    config.second_client = match section.second_client {
+        SecondClientWord::Backlog => SecondClient::Backlog,
+        SecondClientWord::Refuse => SecondClient::Refuse,
+    };
+    if let Some(degrees) = section.start_joints_deg {
+        config.start_joints = PendantJoints::try_from_degrees(degrees)
+            .with_context(|| format!("{key}.start_joints_deg"))?;
+    }
+    if let Some(panel) = &section.panel {
+        let address = panel
+            .parse()
+            .with_context(|| format!("{key}.panel: `{panel}` is not `address:port`"))?;
+        config.panel = Some(address);
+    }
+    let scale = section.time_scale;
+    let clock = Clock::scaled(scale)
+        .with_context(|| format!("{key}.time_scale: {scale} is not above 0 and at most 1000"))?;
+    Ok((config, clock))
+}
+
+/// Puts the addresses of the running controllers in the place of `virtual:NAME`.
+///
+/// # Errors
+/// A robot refers to a controller that is not in the file.
+pub(crate) fn resolve(cells: &mut [CellSection], addresses: &[(String, SocketAddr)]) -> Result<()> {
+    for (c, cell) in cells.iter_mut().enumerate() {
+        for (r, robot) in cell.robots.iter_mut().enumerate() {
+            let Some(name) = robot.controller.strip_prefix(SCHEME) else { continue };
+            let Some((_, address)) = addresses.iter().find(|(known, _)| known == name) else {
+                bail!("cells[{c}].robots[{r}].controller: no virtual controller is named `{name}`");
+            };
+            robot.controller = address.to_string();
+        }
+    }
+    Ok(())
+}
