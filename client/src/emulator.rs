@@ -38,11 +38,12 @@ impl EmulatorClient {
     /// # Errors
     /// As all calls: see [`ClientError`].
     pub async fn ledger(&self, after: Option<u64>) -> Result<Vec<LedgerEntry>, ClientError> {
-        let exchange = self.http.get(&["ledger"], Effect::Question);
-        match after {
-            Some(after) => exchange.query(&[("after", after)]).json().await,
-            None => exchange.json().await,
+        let mut entries: Vec<LedgerEntry> =
+            self.http.get(&["ledger"], Effect::Question).json().await?;
+        if let Some(after) = after {
+            entries.retain(|entry| entry.seq > after);
         }
+        Ok(entries)
     }
 
     /// The alarms the controller raised, oldest first.

@@ -26,7 +26,7 @@ pub(crate) struct EmulatorArgs {
     #[command(subcommand)]
     command: EmulatorCommand,
     /// First wait, at most this many seconds, until nothing moves and nothing is about to.
-    #[arg(long, global = true, value_name = "SECONDS", value_parser = seconds)]
+    #[arg(long, global = true, value_name = "SECONDS", allow_hyphen_values = true, value_parser = seconds)]
     wait_still: Option<f64>,
 }
 
