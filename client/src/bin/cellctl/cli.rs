@@ -34,6 +34,7 @@ the problem, or what went wrong.";
 
 /// Options that every subcommand takes.
 #[derive(Args, Debug)]
+#[command(next_help_heading = "Options of every subcommand")]
 pub(crate) struct Global {
     /// The server.
     #[arg(

@@ -92,20 +92,24 @@ impl Failure {
         }
     }
 
-    /// The failure with its causes, in one line.
+    /// The failure and its first cause; the layers of the transport between them tell nothing more.
     fn sentence(&self) -> String {
-        let mut text = self.to_string();
-        let mut cause = self.source();
-        while let Some(error) = cause {
-            let _ = write!(text, ": {error}");
-            cause = error.source();
+        let causes = std::iter::successors(self.source(), |&error| error.source());
+        match causes.last() {
+            Some(cause) => format!("{self}: {cause}"),
+            None => self.to_string(),
         }
-        text
     }
 
     fn text(&self) -> String {
         let mut text = match self {
             Self::Client(ClientError::Problem(problem)) => problem_text(problem),
+            Self::Client(ClientError::Unreachable { .. }) => {
+                format!(
+                    "{}\nHint: is it running there? --server and --emulator name other addresses",
+                    self.sentence()
+                )
+            }
             Self::Client(_) | Self::Usage(_) | Self::NotStill { .. } => self.sentence(),
             Self::WhichRobot { all, .. } => list(&self.sentence(), all),
             Self::NoAcceptedTarget => {
