@@ -1,3 +1,5 @@
+#![expect(clippy::unwrap_used, reason = "a kit that breaks is a test that fails")]
+
 use std::io::ErrorKind;
 
 use tests::{ACCEPTED, ChaosProxy, Direction, FakeRobot, Gate, Look, Mode, Traffic, wait_until};
