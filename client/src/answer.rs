@@ -2,8 +2,9 @@
 
 use std::time::Duration;
 
-use api::{LegacyRefusal, LegacyValidation, Outcome, Problem};
+use api::{LegacyValidation, Outcome, Problem};
 use reqwest::{Response, StatusCode, header};
+use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 use crate::ClientError;
@@ -39,7 +40,7 @@ impl Call {
         let request_id = self.request_id;
         // The address is told already; a cause that repeats it hides itself.
         let source = error.without_url();
-        if source.is_connect() {
+        if source.is_connect() || source.is_builder() {
             ClientError::Unreachable {
                 url,
                 source: source.into(),
@@ -60,6 +61,15 @@ impl Call {
             }
         }
     }
+}
+
+/// The part of a refusal that everyone writes: the thesis's routes, the virtual controller's panel, and a server whose
+/// problem codes are newer than this client.
+#[derive(Deserialize)]
+struct BareRefusal {
+    detail: String,
+    #[serde(default)]
+    outcome: Option<Outcome>,
 }
 
 /// An answer, read to its end.
@@ -118,20 +128,17 @@ impl Answer {
     }
 
     fn refusal(self) -> ClientError {
-        if self.is_problem {
-            return match serde_json::from_slice::<Problem>(&self.body) {
-                Ok(mut problem) => {
-                    let _ = problem.request_id.get_or_insert(self.call.request_id);
-                    ClientError::Problem(Box::new(problem))
-                }
-                Err(error) => self.strange(format!("a problem that does not fit ({error})")),
-            };
+        if self.is_problem
+            && let Ok(mut problem) = serde_json::from_slice::<Problem>(&self.body)
+        {
+            let _ = problem.request_id.get_or_insert(self.call.request_id);
+            return ClientError::Problem(Box::new(problem));
         }
-        if let Ok(LegacyRefusal { detail }) = serde_json::from_slice(&self.body) {
+        if let Ok(bare) = serde_json::from_slice::<BareRefusal>(&self.body) {
             return ClientError::Refused {
                 status: self.status.as_u16(),
-                detail,
-                outcome: self.legacy_outcome(),
+                detail: bare.detail,
+                outcome: bare.outcome.unwrap_or_else(|| self.outcome_by_status()),
                 request_id: self.call.request_id,
             };
         }
@@ -145,12 +152,13 @@ impl Answer {
     }
 
     /// The seed's shape has no place for the outcome; what its statuses tell is all there is.
-    fn legacy_outcome(&self) -> Outcome {
-        match self.status {
-            StatusCode::CONFLICT => Outcome::Rejected,
-            StatusCode::SERVICE_UNAVAILABLE => Outcome::NotSent,
-            status if status.is_client_error() => Outcome::NotSent,
-            _ => self.call.outcome_in_doubt(),
+    fn outcome_by_status(&self) -> Outcome {
+        match (self.call.effect, self.status) {
+            (Effect::Question, _) => Outcome::None,
+            (Effect::Command(_), StatusCode::CONFLICT) => Outcome::Rejected,
+            (Effect::Command(_), StatusCode::SERVICE_UNAVAILABLE) => Outcome::NotSent,
+            (Effect::Command(_), status) if status.is_client_error() => Outcome::NotSent,
+            (Effect::Command(_), _) => Outcome::Unknown,
         }
     }
 

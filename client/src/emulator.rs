@@ -1,5 +1,5 @@
 use crate::http::{Effect, Http};
-use crate::{Alarm, ClientError, EmulatorState, LedgerEntry, Timeouts};
+use crate::{Alarm, ClientError, EmulatorState, LedgerEntry, Log, Timeouts};
 
 /// The panel of a virtual controller: what the controller itself knows. Cheap to clone.
 #[derive(Clone, Debug)]
@@ -32,25 +32,23 @@ impl EmulatorClient {
         self.http.get(&["state"], Effect::Question).json().await
     }
 
-    /// The motions the controller started, finished and refused, oldest first; those after the entry `after` only,
-    /// where it is given.
+    /// The motions the controller started, finished and refused; those after the entry `after` only, where it is given.
     ///
     /// # Errors
     /// As all calls: see [`ClientError`].
-    pub async fn ledger(&self, after: Option<u64>) -> Result<Vec<LedgerEntry>, ClientError> {
-        let mut entries: Vec<LedgerEntry> =
-            self.http.get(&["ledger"], Effect::Question).json().await?;
-        if let Some(after) = after {
-            entries.retain(|entry| entry.seq > after);
+    pub async fn ledger(&self, after: Option<u64>) -> Result<Log<LedgerEntry>, ClientError> {
+        let exchange = self.http.get(&["ledger"], Effect::Question);
+        match after {
+            Some(after) => exchange.query(&[("after", after)]).json().await,
+            None => exchange.json().await,
         }
-        Ok(entries)
     }
 
-    /// The alarms the controller raised, oldest first.
+    /// The alarms the controller raised.
     ///
     /// # Errors
     /// As all calls: see [`ClientError`].
-    pub async fn alarms(&self) -> Result<Vec<Alarm>, ClientError> {
+    pub async fn alarms(&self) -> Result<Log<Alarm>, ClientError> {
         self.http.get(&["alarms"], Effect::Question).json().await
     }
 }

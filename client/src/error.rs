@@ -9,12 +9,13 @@ pub enum ClientError {
     /// The server, or the controller behind it, refused or failed, in the form of RFC 9457.
     #[error("{}: {}", .0.title, .0.detail)]
     Problem(Box<Problem>),
-    /// One of the thesis's own routes refused or failed, in the seed's shape.
+    /// A refusal or failure in a sentence only: the thesis's own routes and the virtual controller's panel know no
+    /// more, and of a problem whose code is newer than this client no more is understood.
     #[error("{detail}")]
     Refused {
         /// The HTTP status.
         status: u16,
-        /// The server's sentence; begins with `ERROR:`.
+        /// The sentence; on the thesis's routes it begins with `ERROR:`.
         detail: String,
         /// What is known of the command's effect.
         outcome: Outcome,

@@ -25,12 +25,12 @@ pub struct Timeouts {
 }
 
 impl Default for Timeouts {
-    /// 3 s to connect, 10 s for a question, 65 s for a command.
+    /// 3 s to connect, 10 s for a question, 80 s for a command.
     fn default() -> Self {
         Self {
             connect: Duration::from_secs(3),
             question: Duration::from_secs(10),
-            command: Duration::from_secs(65),
+            command: Duration::from_secs(80),
         }
     }
 }

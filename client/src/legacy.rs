@@ -6,7 +6,7 @@ use crate::http::{Effect, Exchange};
 use crate::{Client, ClientError};
 
 impl Client {
-    /// Moves to an absolute point at `velocity` mm/s, or at the server's own where `None`.
+    /// Moves to an absolute point at `velocity` mm/s, or at the server's default where `None`.
     ///
     /// # Errors
     /// [`ClientError::Refused`] if the controller or the server says no, [`ClientError::Invalid`] if a number does not
@@ -14,7 +14,7 @@ impl Client {
     pub async fn legacy_move(
         &self,
         point: &LegacyPoint,
-        velocity: Option<f64>,
+        velocity: Option<u16>,
     ) -> Result<LegacyMoved, ClientError> {
         self.command("move", velocity).body(point).json().await
     }
@@ -23,7 +23,7 @@ impl Client {
     ///
     /// # Errors
     /// As [`Client::legacy_move`].
-    pub async fn legacy_home(&self, velocity: Option<f64>) -> Result<LegacyMoved, ClientError> {
+    pub async fn legacy_home(&self, velocity: Option<u16>) -> Result<LegacyMoved, ClientError> {
         self.command("home", velocity).json().await
     }
 
@@ -34,12 +34,12 @@ impl Client {
     pub async fn legacy_delta(
         &self,
         delta: &LegacyDelta,
-        velocity: Option<f64>,
+        velocity: Option<u16>,
     ) -> Result<LegacyMoved, ClientError> {
         self.command("delta", velocity).body(delta).json().await
     }
 
-    fn command(&self, name: &str, velocity: Option<f64>) -> Exchange {
+    fn command(&self, name: &str, velocity: Option<u16>) -> Exchange {
         let effect = Effect::Command(self.http.timeouts.command);
         let exchange = self.http.post(&["fanuc", name], effect);
         match velocity {

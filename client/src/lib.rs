@@ -47,6 +47,8 @@ pub use answer::MAX_ANSWER_BYTES;
 pub use emulator::EmulatorClient;
 pub use error::ClientError;
 pub use http::Timeouts;
-pub use panel::{Alarm, EmulatorJoints, EmulatorState, LedgerEntry, LedgerEvent, Tag, Task};
+pub use panel::{
+    Alarm, EmulatorJoints, EmulatorState, JointLimit, LedgerEntry, LedgerEvent, Log, Tag, Task,
+};
 pub use robot::{Page, Robot};
 pub use server::Client;

@@ -14,6 +14,8 @@ pub struct EmulatorState {
     pub time_s: f64,
     /// The joints as on the pendant.
     pub joints_deg: EmulatorJoints,
+    /// The limits of the joints, J1 first.
+    pub limits_deg: Vec<JointLimit>,
     /// The tool center point in the active user frame.
     pub pose: PoseBody,
     /// The configuration, e.g. `N U T, 0, 0, 0`.
@@ -21,7 +23,7 @@ pub struct EmulatorState {
     /// Whether the arm is moving now.
     pub moving: bool,
     /// The general override in percent.
-    pub override_percent: f64,
+    pub override_percent: i32,
     /// How many motions run or wait.
     pub motion_queue: u64,
     /// The programs that run.
@@ -30,6 +32,8 @@ pub struct EmulatorState {
     pub tags: Vec<Tag>,
     /// How many alarms wait for a reset.
     pub active_alarms: u64,
+    /// Number of the newest ledger entry.
+    pub ledger_seq: u64,
 }
 
 impl EmulatorState {
@@ -39,6 +43,17 @@ impl EmulatorState {
     pub fn is_still(&self) -> bool {
         !self.moving && self.motion_queue == 0 && self.tags.iter().all(|tag| tag.peer.is_none())
     }
+}
+
+/// The limits of one joint.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct JointLimit {
+    /// `J1` to `J6`.
+    pub joint: String,
+    /// Lower limit in degrees.
+    pub min_deg: f64,
+    /// Upper limit in degrees.
+    pub max_deg: f64,
 }
 
 /// Joint values in degrees, as on the pendant.
@@ -100,6 +115,15 @@ pub struct Tag {
     pub peer: Option<String>,
 }
 
+/// A log of the controller, as far as it is kept.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct Log<T> {
+    /// How many older entries are not kept any more.
+    pub dropped: u64,
+    /// The entries, oldest first.
+    pub entries: Vec<T>,
+}
+
 /// What the ledger tells of a motion.
 #[derive(Clone, Copy, Debug, Deserialize, Eq, Hash, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -136,7 +160,7 @@ pub struct LedgerEntry {
     /// Programmed speed in mm/s.
     pub speed_mm_s: f64,
     /// The general override in percent.
-    pub override_percent: f64,
+    pub override_percent: i32,
     /// The program that asked for it.
     pub program: String,
     /// The source line that asked for it.

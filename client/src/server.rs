@@ -31,7 +31,8 @@ impl Client {
         Http::new(base_url, timeouts).map(|http| Self { http })
     }
 
-    /// This client, with every request named `request_id`.
+    /// This client, with every request named `request_id`: 1 to 64 of `[A-Za-z0-9._-]`. The server puts an id of its
+    /// own in the place of any other.
     #[must_use]
     pub fn with_request_id(&self, request_id: &str) -> Self {
         Self {

@@ -58,7 +58,7 @@ async fn every_route_has_its_path() {
     assert_eq!(client.version().await.unwrap().version, ["0.1.0"]);
     assert_eq!(client.cell("demo").await.unwrap().id, "demo");
     assert_eq!(client.robots("demo").await.unwrap().len(), 1);
-    let moved = client.legacy_move(&POINT, Some(250.0)).await.unwrap();
+    let moved = client.legacy_move(&POINT, Some(250)).await.unwrap();
     assert_eq!(moved.current_position, POINT);
     let _ = client.legacy_home(None).await.unwrap();
     let delta = LegacyDelta {
@@ -79,7 +79,7 @@ async fn every_route_has_its_path() {
     assert_eq!(
         fake.lines()[6..],
         [
-            "POST /fanuc/move?velocity=250.0",
+            "POST /fanuc/move?velocity=250",
             "POST /fanuc/home",
             "POST /fanuc/delta",
             "GET /api/v1/cells/demo/robots/r1/motions?limit=2&cursor=a%26b",
@@ -255,13 +255,24 @@ async fn the_panel_of_a_virtual_controller_is_read() {
     .await;
     let emulator = EmulatorClient::new(&fake.url()).unwrap();
     assert!(emulator.state().await.unwrap().is_still());
-    assert_eq!(emulator.alarms().await.unwrap()[0].number, 17);
-    let events: Vec<LedgerEvent> = emulator
-        .ledger(None)
-        .await
-        .unwrap()
-        .iter()
-        .map(|entry| entry.event)
-        .collect();
+    assert_eq!(emulator.alarms().await.unwrap().entries[0].number, 17);
+    let ledger = emulator.ledger(Some(0)).await.unwrap();
+    let events: Vec<LedgerEvent> = ledger.entries.iter().map(|entry| entry.event).collect();
     assert_eq!(events, [LedgerEvent::Started, LedgerEvent::Finished]);
+    assert!(fake.lines().contains(&"GET /ledger?after=0".to_owned()));
+}
+
+#[tokio::test]
+async fn a_problem_of_a_newer_server_is_still_told() {
+    let body = r#"{"title": "New", "status": 409, "detail": "a new kind of no", "code": "new", "outcome": "NOT_SENT"}"#;
+    let fake = Fake::always(Answer::Raw {
+        status: 409,
+        media_type: "application/problem+json",
+        body: body.to_owned(),
+    })
+    .await;
+    let robot = Client::new(&fake.url()).unwrap().robot("demo", "r1");
+    let error = robot.create_motion(&HOME).await.unwrap_err();
+    assert_eq!(error.to_string(), "a new kind of no");
+    assert_eq!(error.outcome(), Outcome::NotSent);
 }

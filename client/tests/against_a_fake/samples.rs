@@ -90,6 +90,7 @@ pub(crate) fn emulator_state(moving: bool) -> Value {
         "tasks": [{"name": "SOCKSERVER", "program": "SOCKSERVER", "state": "waiting", "line": 40, "detail": null}],
         "tags": [{"tag": "S3:", "port": 59002, "state": "listening", "peer": null}],
         "active_alarms": 0, "ledger_seq": 2,
+        "limits_deg": [{"joint": "J1", "min_deg": -170.0, "max_deg": 170.0}],
     })
 }
 
@@ -103,14 +104,14 @@ pub(crate) fn ledger() -> Value {
             "alarm": null, "duration_s": 3.5,
         })
     };
-    json!([entry(1, "started"), entry(2, "finished")])
+    json!({"dropped": 0, "entries": [entry(1, "started"), entry(2, "finished")]})
 }
 
 pub(crate) fn alarms() -> Value {
-    json!([{
+    json!({"dropped": 3, "entries": [{
         "seq": 1, "time_s": 2.0, "facility": "MOTN", "number": 17, "text": "J5 at its limit.",
         "severity": "abort", "program": "SOCKSERVER", "line": 61, "active": true,
-    }])
+    }]})
 }
 
 pub(crate) fn problem(code: ProblemCode, outcome: Outcome) -> Problem {

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use api::JointsBody;
 use clap::{Args, Subcommand};
-use client::{Alarm, EmulatorClient, EmulatorState, LedgerEntry};
+use client::{Alarm, EmulatorClient, EmulatorState, LedgerEntry, Log};
 use tokio::time::{Instant, MissedTickBehavior};
 
 use crate::context::Context;
@@ -65,11 +65,11 @@ pub(crate) async fn run(args: EmulatorArgs, context: &Context) -> Result<Report,
         }
         EmulatorCommand::Ledger { after } => {
             let ledger = emulator.ledger(after).await?;
-            Ok(context.report(Exit::Done, &ledger, |ledger| ledger_text(ledger)))
+            Ok(context.report(Exit::Done, &ledger, ledger_text))
         }
         EmulatorCommand::Alarms => {
             let alarms = emulator.alarms().await?;
-            Ok(context.report(Exit::Done, &alarms, |alarms| alarms_text(alarms)))
+            Ok(context.report(Exit::Done, &alarms, alarms_text))
         }
     }
 }
@@ -146,11 +146,11 @@ fn state_text(state: &EmulatorState) -> String {
     format!("{}\n{tasks}\n{tags}", text::facts(&facts))
 }
 
-fn ledger_text(ledger: &[LedgerEntry]) -> String {
+fn ledger_text(ledger: &Log<LedgerEntry>) -> String {
     let mut table = Table::new(&[
         ">seq", ">time s", "event", ">motion", "kind", ">mm/s", "target", "request",
     ]);
-    for entry in ledger {
+    for entry in &ledger.entries {
         let target = entry.target_pose.as_ref().map(text::pose);
         let note = entry.alarm.clone().or_else(|| entry.request_id.clone());
         table.row([
@@ -164,17 +164,17 @@ fn ledger_text(ledger: &[LedgerEntry]) -> String {
             note.unwrap_or_default(),
         ]);
     }
-    table.to_string()
+    with_dropped(&table, ledger.dropped)
 }
 
-fn alarms_text(alarms: &[Alarm]) -> String {
-    if alarms.is_empty() {
+fn alarms_text(alarms: &Log<Alarm>) -> String {
+    if alarms.entries.is_empty() {
         return "No alarm.".to_owned();
     }
     let mut table = Table::new(&[
         ">seq", ">time s", "alarm", "severity", "active", "program", ">line", "text",
     ]);
-    for alarm in alarms {
+    for alarm in &alarms.entries {
         table.row([
             alarm.seq.to_string(),
             format!("{:.3}", alarm.time_s),
@@ -186,7 +186,14 @@ fn alarms_text(alarms: &[Alarm]) -> String {
             alarm.text.clone(),
         ]);
     }
-    table.to_string()
+    with_dropped(&table, alarms.dropped)
+}
+
+fn with_dropped(table: &Table, dropped: u64) -> String {
+    match dropped {
+        0 => table.to_string(),
+        count => format!("{table}\n{count} older entries are not kept any more."),
+    }
 }
 
 fn number<T: ToString>(number: Option<T>) -> String {
