@@ -32,12 +32,13 @@ pub(crate) fn branches(
     let p_WF = X_WF.isometry().translation.vector;
     let p_WC = p_WF - g.d6 * R_WF.column(2);
     let near = model.chain(reference).radians();
+    let [near_q1, near_q2, ..] = near;
 
     let mut branches = Branches::new();
     let mut miss: Option<Miss> = None;
-    for base in bases(g, &p_WC, near)? {
+    for base in bases(g, &p_WC, near_q1)? {
         let Some(base) = base else { continue };
-        match elbows(g, &base, p_WC.z, near) {
+        match elbows(g, &base, p_WC.z, near_q2) {
             Ok(elbows) => {
                 for elbow in elbows.into_iter().flatten() {
                     push_wrists(model, &mut branches, &p_WF, &R_WF, &base, &elbow, near);
@@ -79,7 +80,7 @@ struct Base {
 }
 
 /// Front and back.
-fn bases(g: &Geometry, p_WC: &Vector3<f64>, near: [f64; 6]) -> Result<[Option<Base>; 2], IkError> {
+fn bases(g: &Geometry, p_WC: &Vector3<f64>, free_q1: f64) -> Result<[Option<Base>; 2], IkError> {
     let lateral = -g.s1 * g.lateral;
     let across = p_WC.x.hypot(p_WC.y);
     let short = lateral.abs() - across;
@@ -98,7 +99,7 @@ fn bases(g: &Geometry, p_WC: &Vector3<f64>, near: [f64; 6]) -> Result<[Option<Ba
         // Every q1 will do.
         return Ok([
             Some(Base {
-                q1: near[0].sin_cos(),
+                q1: free_q1.sin_cos(),
                 front: 0.0,
             }),
             None,
@@ -127,7 +128,7 @@ struct Elbowed {
 }
 
 /// Elbow up and down: the two circles about shoulder and wrist center meet in two points, in one, or in none.
-fn elbows(g: &Geometry, base: &Base, z: f64, near: [f64; 6]) -> Result<[Option<Elbowed>; 2], Miss> {
+fn elbows(g: &Geometry, base: &Base, z: f64, free_q2: f64) -> Result<[Option<Elbowed>; 2], Miss> {
     let (u, v) = (base.front - g.a1, g.s1 * (z - g.d1));
     let distance = u.hypot(v);
     let (longest, shortest) = (g.a2 + g.forearm, (g.a2 - g.forearm).abs());
@@ -147,7 +148,7 @@ fn elbows(g: &Geometry, base: &Base, z: f64, near: [f64; 6]) -> Result<[Option<E
     let (direction_sin, direction_cos) = if distance > 0.0 {
         (v / distance, u / distance)
     } else {
-        near[1].sin_cos()
+        free_q2.sin_cos()
     };
     // Twice the area of the triangle, by Heron: exact near the stretched and the folded arm, where the law of cosines
     // alone loses half the digits.
@@ -209,8 +210,9 @@ fn push_wrists(
         q5: (0.0, 1.0),
         q6: (0.0, 1.0),
     };
-    let R_3F = arm_rotation(g, &turned).transpose() * R_WF;
-    let sine = R_3F[(0, 2)].hypot(R_3F[(1, 2)]);
+    let R_3F: Matrix3<f64> = arm_rotation(g, &turned).transpose() * R_WF;
+    let approach = R_3F.column(2).into_owned();
+    let sine = approach.x.hypot(approach.y);
     let q1 = angle(base.q1);
     let q2 = angle(elbow.q2);
     let q3 = angle(elbow.q23) - q2;
@@ -227,7 +229,7 @@ fn push_wrists(
         return;
     }
     let side = model.no_flip_sign * g.s5 / sine;
-    let q4 = (R_3F[(1, 2)] * side, R_3F[(0, 2)] * side);
+    let q4 = (approach.y * side, approach.x * side);
     push(q4);
     push((-q4.0, -q4.1));
 }

@@ -44,7 +44,7 @@ pub enum ModelError {
         /// The key in the file.
         key: &'static str,
         /// What was given.
-        value: i64,
+        value: i8,
         /// The legal values.
         wanted: &'static str,
     },
@@ -128,10 +128,10 @@ struct JointEntry {
     d_mm: f64,
     a_mm: f64,
     alpha_deg: f64,
-    sign: i64,
+    sign: i8,
     offset_deg: f64,
     #[serde(default)]
-    j2_coupling: i64,
+    j2_coupling: i8,
     min_deg: f64,
     max_deg: f64,
     max_speed_deg_s: f64,
@@ -224,13 +224,9 @@ fn check(axis: Axis, entry: &JointEntry) -> Result<Joint, ModelError> {
     };
     let length = |key, value| in_range(key, value, -MAX_LENGTH_MM, MAX_LENGTH_MM);
     let angle = |key, value| in_range(key, value, -MAX_ANGLE_DEG, MAX_ANGLE_DEG);
-    let choice = |key, value: i64, legal: &[i64], wanted| {
+    let choice = |key, value: i8, legal: &[i8], wanted| {
         if legal.contains(&value) {
-            Ok(if value == 0 {
-                0.0
-            } else {
-                value.signum() as f64
-            })
+            Ok(f64::from(value))
         } else {
             Err(ModelError::Choice {
                 axis,
@@ -255,7 +251,7 @@ fn check(axis: Axis, entry: &JointEntry) -> Result<Joint, ModelError> {
             limits,
         });
     }
-    let (couplings, wanted): (&[i64], _) = if axis == Axis::J3 {
+    let (couplings, wanted): (&[i8], _) = if axis == Axis::J3 {
         (&[-1, 0, 1], "-1, 0 or 1")
     } else {
         (&[0], "0: only J3 is coupled")
