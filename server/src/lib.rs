@@ -1,1 +1,26 @@
-//! See the package description.
+//! HTTP API, controller links and cell state.
+
+mod clock;
+mod commands;
+pub mod config;
+mod edge;
+mod extract;
+mod link;
+mod metrics;
+mod motion_store;
+mod openapi;
+mod problem;
+mod request_id;
+mod router;
+mod routes;
+mod serve;
+mod state;
+mod target;
+mod wire_bodies;
+
+pub use clock::{SystemClock, WallClock};
+pub use config::{ConfigError, Plan};
+pub use link::{AddressError, Connector, ControllerAddress, TcpConnector};
+pub use openapi::openapi;
+pub use serve::{ServeError, run, start};
+pub use state::Seams;

@@ -1,143 +1,171 @@
-//! Forward kinematics: the flange's pose and the posture, of the chain's joints.
+//! Forward kinematics: the flange's pose of the chain's joints, for one set of joints or for several side by side.
 
-use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use crate::geometry::Geometry;
 use crate::joints::ChainJoints;
+use crate::lanes::Lanes;
 use crate::pose::Pose;
-use crate::singularity::Singularity;
-
-/// Sines and cosines that the forward kinematics is made of.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Turned {
-    pub(crate) q1: (f64, f64),
-    pub(crate) q2: (f64, f64),
-    pub(crate) q23: (f64, f64),
-    pub(crate) q4: (f64, f64),
-    pub(crate) q5: (f64, f64),
-    pub(crate) q6: (f64, f64),
-}
-
-impl Turned {
-    pub(crate) fn of(joints: &ChainJoints) -> Self {
-        let [q1, q2, q3, q4, q5, q6] = joints.radians();
-        Self {
-            q1: q1.sin_cos(),
-            q2: q2.sin_cos(),
-            q23: (q2 + q3).sin_cos(),
-            q4: q4.sin_cos(),
-            q5: q5.sin_cos(),
-            q6: q6.sin_cos(),
-        }
-    }
-}
+use crate::trigonometry::sin_cos;
 
 /// `X_WF` of the chain's joints.
 pub(crate) fn flange(geometry: &Geometry, joints: &ChainJoints) -> Pose {
-    let (p_WF, R_WF) = flange_of(geometry, &Turned::of(joints));
-    let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(R_WF));
-    Pose::from_parts(p_WF, rotation)
+    let chain = joints.radians().map(|q| Lanes([q]));
+    // One call for six angles, instead of six calls for one.
+    let (sines, cosines) = sin_cos(Lanes(angles(&chain).map(|Lanes([angle])| angle)));
+    let [a, b, c, d, e, f] = sines.0.map(|sine| Lanes([sine]));
+    let [k, l, m, n, o, p] = cosines.0.map(|cosine| Lanes([cosine]));
+    let turned = [(a, k), (b, l), (c, m), (d, n), (e, o), (f, p)];
+    let Flange { position, rotation } = compose(geometry, &turned);
+    let [x, y, z] = position.map(|Lanes([value])| value);
+    let [w, i, j, k] = rotation.map(|Lanes([value])| value);
+    Pose::from_parts(
+        Vector3::new(x, y, z),
+        UnitQuaternion::new_unchecked(Quaternion::new(w, i, j, k)),
+    )
 }
 
-/// Position and rotation of the flange: the product of the six transforms, with the right angles put in.
-pub(crate) fn flange_of(geometry: &Geometry, turned: &Turned) -> (Vector3<f64>, Matrix3<f64>) {
-    let g = geometry;
-    let R_W3 = arm_rotation(g, turned);
-    let (s4, c4) = turned.q4;
-    let (s5, c5) = turned.q5;
-    let (s6, c6) = turned.q6;
-    let t = -g.s4 * g.s5;
-    #[rustfmt::skip]
-    let R_3F = Matrix3::new(
-        c4 * c5 * c6 - t * s4 * s6, -c4 * c5 * s6 - t * s4 * c6, g.s5 * c4 * s5,
-        s4 * c5 * c6 + t * c4 * s6, -s4 * c5 * s6 + t * c4 * c6, g.s5 * s4 * s5,
-        g.s4 * s5 * c6,             -g.s4 * s5 * s6,             t * c5,
-    );
-    let R_WF = R_W3 * R_3F;
-    (wrist_center(g, turned) + g.d6 * R_WF.column(2), R_WF)
+/// Position in millimeters, and rotation as a unit quaternion, real part first.
+#[derive(Clone, Copy)]
+pub(crate) struct Flange<const N: usize> {
+    pub(crate) position: [Lanes<N>; 3],
+    pub(crate) rotation: [Lanes<N>; 4],
 }
 
-/// The rotation of frame 3, the forearm.
-pub(crate) fn arm_rotation(g: &Geometry, turned: &Turned) -> Matrix3<f64> {
-    let (s1, c1) = turned.q1;
-    let (s23, c23) = turned.q23;
-    let t = g.s1 * g.s3;
-    #[rustfmt::skip]
-    let R_W3 = Matrix3::new(
-        c1 * c23,   t * s1,  g.s3 * s23 * c1,
-        s1 * c23,   -t * c1, g.s3 * s23 * s1,
-        g.s1 * s23, 0.0,     -t * c23,
-    );
-    R_W3
+/// The flanges of several sets of chain joints.
+#[inline]
+pub(crate) fn flanges<const N: usize>(geometry: &Geometry, chain: &[Lanes<N>; 6]) -> Flange<N> {
+    compose(geometry, &angles(chain).map(sin_cos))
 }
 
-/// The wrist center in the world.
-fn wrist_center(g: &Geometry, turned: &Turned) -> Vector3<f64> {
-    let (s1, c1) = turned.q1;
-    let (u, v) = arm_plane(g, turned);
-    let forward = g.a1 + u;
+/// The angles whose sines and cosines the flange is made of: the wrist center needs q2, and the quaternions of two
+/// axes at right angles need half the sum and half the difference of their angles.
+#[inline]
+fn angles<const N: usize>(&[q1, q2, q3, q4, q5, q6]: &[Lanes<N>; 6]) -> [Lanes<N>; 6] {
+    let q23 = q2 + q3;
+    [
+        q2,
+        (q1 + q23) * 0.5,
+        (q1 - q23) * 0.5,
+        (q4 + q5) * 0.5,
+        (q4 - q5) * 0.5,
+        q6 * 0.5,
+    ]
+}
+
+/// The product of the six transforms, from sines and cosines of [`angles`].
+///
+/// Rotations are multiplied as quaternions. With right angles between the axes each factor is short:
+/// `Z(a) X(±90) Z(b) = (cos(a+b), ±cos(a-b), ±sin(a-b), sin(a+b)) / sqrt 2`, a and b being half angles.
+#[inline]
+fn compose<const N: usize>(
+    g: &Geometry,
+    &[
+        (s2, c2),
+        (sp1, cp1),
+        (sm1, cm1),
+        (sp4, cp4),
+        (sm4, cm4),
+        (s6, c6),
+    ]: &[(Lanes<N>, Lanes<N>); 6],
+) -> Flange<N> {
+    // Axes 1 and 2 + 3, then the twist of link 3.
+    let arm = twisted([cp1, cm1 * g.s1, sm1 * g.s1, sp1], g.s3);
+    // Axes 4 and 5, then the twist of link 5, then axis 6.
+    let [w, x, y, z] = twisted([cp4, cm4 * g.s4, sm4 * g.s4, sp4], g.s5);
+    let wrist = [
+        w * c6 - z * s6,
+        x * c6 + y * s6,
+        y * c6 - x * s6,
+        z * c6 + w * s6,
+    ];
+    // Four factors of 1 / sqrt 2 were left out.
+    let [w, x, y, z] = product(arm, wrist).map(|part| part * 0.25);
+
+    let (s1, c1) = (sp1 * cm1 + cp1 * sm1, cp1 * cm1 - sp1 * sm1);
+    let (s23, c23) = (sp1 * cm1 - cp1 * sm1, cp1 * cm1 + sp1 * sm1);
+    let forearm_x = c23 * (g.forearm * g.forearm_cos) - s23 * (g.forearm * g.forearm_sin);
+    let forearm_y = s23 * (g.forearm * g.forearm_cos) + c23 * (g.forearm * g.forearm_sin);
+    let forward = c2 * g.a2 + forearm_x + g.a1;
+    let up = (s2 * g.a2 + forearm_y) * g.s1 + g.d1;
     let lateral = -g.s1 * g.lateral;
-    Vector3::new(
-        c1 * forward - s1 * lateral,
-        s1 * forward + c1 * lateral,
-        g.d1 + g.s1 * v,
-    )
+    // The flange's axis, out of the quaternion.
+    let (axis_x, axis_y) = ((x * z + w * y) * 2.0, (y * z - w * x) * 2.0);
+    let axis_z = (x * x + y * y) * -2.0 + 1.0;
+    Flange {
+        position: [
+            c1 * forward - s1 * lateral + axis_x * g.d6,
+            s1 * forward + c1 * lateral + axis_y * g.d6,
+            up + axis_z * g.d6,
+        ],
+        rotation: [w, x, y, z],
+    }
 }
 
-/// The wrist center in the arm's plane, from the shoulder.
-fn arm_plane(g: &Geometry, turned: &Turned) -> (f64, f64) {
-    let (s2, c2) = turned.q2;
-    let (s23, c23) = turned.q23;
-    let forearm_cos = g.forearm_cos * c23 - g.forearm_sin * s23;
-    let forearm_sin = g.forearm_cos * s23 + g.forearm_sin * c23;
-    (
-        g.a2 * c2 + g.forearm * forearm_cos,
-        g.a2 * s2 + g.forearm * forearm_sin,
-    )
+/// A quaternion times `1 + sine * i`: a twist of ±90 degrees about X, but for the length.
+#[inline]
+fn twisted<const N: usize>([w, x, y, z]: [Lanes<N>; 4], sine: f64) -> [Lanes<N>; 4] {
+    [w - x * sine, x + w * sine, y + z * sine, z - y * sine]
 }
 
-/// What tells the branches and the singularities apart; each is 0 at its singularity.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Posture {
-    pub(crate) sin_q5: f64,
-    /// How far the wrist center is in front of axis 1, in millimeters.
-    pub(crate) front: f64,
-    /// The sine between forearm and upper arm; positive with the elbow up.
-    pub(crate) elbow: f64,
+/// The product of two quaternions, real part first.
+#[inline]
+fn product<const N: usize>(
+    [aw, ax, ay, az]: [Lanes<N>; 4],
+    [bw, bx, by, bz]: [Lanes<N>; 4],
+) -> [Lanes<N>; 4] {
+    [
+        aw * bw - ax * bx - ay * by - az * bz,
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+    ]
 }
 
-impl Posture {
-    // Below these a posture is singular: two branches are one, and the sign of what is left is noise. Calling it
-    // singular moves the flange by less than the inverse kinematics may be off.
-    pub(crate) const SINGULAR_WRIST: f64 = 5e-10;
-    pub(crate) const SINGULAR_DISTANCE: f64 = 1e-7;
-    pub(crate) const SINGULAR_SINE: f64 = 1e-7;
+#[cfg(test)]
+mod tests {
+    use nalgebra::Matrix4;
+    use proptest::prelude::*;
 
-    pub(crate) fn of(g: &Geometry, joints: &ChainJoints) -> Self {
-        let [_, q2, q3, _, q5, _] = joints.radians();
-        let c2 = q2.cos();
-        let (s23, c23) = (q2 + q3).sin_cos();
-        let (s3, c3) = q3.sin_cos();
-        let forward = g.a1 + g.a2 * c2 + g.forearm * (g.forearm_cos * c23 - g.forearm_sin * s23);
-        let sine = s3 * g.forearm_cos + c3 * g.forearm_sin;
-        // The forearm turned clockwise from the upper arm means that the elbow is up, if frame 1's second axis is.
-        Self::from_parts(q5.sin(), forward, -g.s1 * sine)
+    use super::*;
+    use crate::dh::DhLink;
+    use crate::joints::Axis;
+    use units::{Degrees, Millimeters, Radians};
+
+    /// Any arm the closed form covers: every mix of twists, with a lateral offset.
+    fn any_table() -> impl Strategy<Value = [DhLink; 6]> {
+        let sign = prop::array::uniform4(prop::sample::select(vec![-1.0, 1.0]));
+        let length = prop::array::uniform8(-900.0..900.0_f64);
+        (sign, length).prop_map(|([s1, s3, s4, s5], [d1, d2, d3, d4, d6, a1, a2, a3])| {
+            let row = |d, a, sine: f64| DhLink {
+                d: Millimeters(d),
+                a: Millimeters(a),
+                alpha: Radians::from(Degrees(90.0 * sine)),
+            };
+            [
+                row(d1, a1, s1),
+                row(d2, a2.abs() + 1.0, 0.0),
+                row(d3, a3, s3),
+                row(d4, 0.0, s4),
+                row(0.0, 0.0, s5),
+                row(d6, 0.0, 0.0),
+            ]
+        })
     }
 
-    pub(crate) fn from_parts(sin_q5: f64, front: f64, elbow: f64) -> Self {
-        let unless_noise = |value: f64, noise| if value.abs() < noise { 0.0 } else { value };
-        Self {
-            sin_q5: unless_noise(sin_q5, Self::SINGULAR_WRIST),
-            front: unless_noise(front, Self::SINGULAR_DISTANCE),
-            elbow: unless_noise(elbow, Self::SINGULAR_SINE),
-        }
-    }
-
-    pub(crate) fn singularity(&self, g: &Geometry) -> Singularity {
-        Singularity {
-            wrist: self.sin_q5.abs(),
-            shoulder: self.front.abs() / g.reach(),
-            elbow: self.elbow.abs(),
+    proptest! {
+        #[test]
+        fn the_closed_form_is_the_product_of_the_links(
+            links in any_table(),
+            q in prop::array::uniform6(-7.0..7.0_f64),
+        ) {
+            let joints = ChainJoints::from_radians(q);
+            let product = Axis::ALL.into_iter().fold(Matrix4::identity(), |so_far, axis| {
+                so_far * axis.of(&links).transform(Radians(axis.of(&q)))
+            });
+            let flange = flange(&Geometry::try_from_dh(&links).unwrap(), &joints);
+            let difference = flange.isometry().to_homogeneous() - product;
+            prop_assert!(difference.amax() < 1e-11, "{}", difference);
         }
     }
 }

@@ -1,0 +1,110 @@
+//! The command line: every word of it, and its help.
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::{delta, emulator, fk, home, ik, motions, move_to};
+
+/// Drive a robot cell: move, look, calculate.
+///
+/// Millimeters, degrees and mm/s everywhere; W, P, R turn about the fixed X, Y, Z axes, as on the pendant.
+/// This is not a safety function: emergency stop and guards are wired into the controller.
+#[derive(Debug, Parser)]
+#[command(name = "cellctl", version, after_help = AFTER_HELP, max_term_width = 100)]
+pub(crate) struct Cli {
+    #[command(flatten)]
+    pub(crate) global: Global,
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+const AFTER_HELP: &str = "\
+Examples:
+  cellctl move 600 200 600 -180 30 0 --speed 200
+  cellctl ik 600 200 600 -180 30 0
+  cellctl --json state | jq .link.state
+
+Exit codes:
+  0  done
+  1  refused, by the robot or by the server's checks: nothing was executed
+  2  usage
+  3  link: no answer, or none that tells; after a command the robot may have moved
+
+With --json, one JSON document goes to the standard output in every case but usage: the answer,
+the problem, or what went wrong.";
+
+/// Options that every subcommand takes.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Options of every subcommand")]
+pub(crate) struct Global {
+    /// The server.
+    #[arg(
+        long,
+        global = true,
+        env = "ROBOCELL_SERVER",
+        default_value = "http://127.0.0.1:8080",
+        value_name = "URL"
+    )]
+    pub(crate) server: String,
+    /// The cell; not needed where there is exactly one.
+    #[arg(long, global = true, env = "ROBOCELL_CELL", value_name = "ID")]
+    pub(crate) cell: Option<String>,
+    /// The robot; not needed where there is exactly one.
+    #[arg(long, global = true, env = "ROBOCELL_ROBOT", value_name = "ID")]
+    pub(crate) robot: Option<String>,
+    /// The virtual controller's panel.
+    #[arg(
+        long,
+        global = true,
+        env = "ROBOCELL_EMULATOR",
+        default_value = "http://127.0.0.1:8081",
+        value_name = "URL"
+    )]
+    pub(crate) emulator: String,
+    /// Give up on an answer after this many milliseconds. A command given up on may have been carried out.
+    #[arg(long, global = true, value_name = "MS", value_parser = clap::value_parser!(u64).range(1..=600_000))]
+    pub(crate) timeout_ms: Option<u64>,
+    /// Print one JSON document instead of sentences and tables.
+    #[arg(long, global = true)]
+    pub(crate) json: bool,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    Move(move_to::MoveArgs),
+    Home(home::HomeArgs),
+    Delta(delta::DeltaArgs),
+    Fk(fk::FkArgs),
+    Ik(ik::IkArgs),
+    /// Show what the server knows of the robot now: link, pose, queue.
+    State,
+    /// List the cells and their robots.
+    Cells,
+    /// Show what the robot is: arm, limits, home, frames, controller.
+    Describe,
+    Motions(motions::MotionsArgs),
+    Emulator(emulator::EmulatorArgs),
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_well_formed() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn every_subcommand_says_what_it_does() {
+        for subcommand in Cli::command().get_subcommands() {
+            assert!(
+                subcommand.get_about().is_some(),
+                "{} has no help",
+                subcommand.get_name()
+            );
+        }
+    }
+}

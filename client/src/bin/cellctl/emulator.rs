@@ -1,0 +1,201 @@
+//! `cellctl emulator`: the virtual controller's own view.
+
+use std::time::Duration;
+
+use api::JointsBody;
+use clap::{Args, Subcommand};
+use client::{Alarm, EmulatorClient, EmulatorState, LedgerEntry, Log};
+use tokio::time::{Instant, MissedTickBehavior};
+
+use crate::context::Context;
+use crate::failure::Failure;
+use crate::numbers::finite;
+use crate::report::{Exit, Report};
+use crate::text::{self, Table, word};
+
+/// How often the panel is asked whether the arm stands still.
+const POLL: Duration = Duration::from_millis(50);
+
+/// Look at a virtual controller: where the arm is, what it did, what it complained about.
+///
+/// Example, wait up to 10 s until the arm is at rest, then show where:
+///   cellctl emulator state --wait-still 10
+#[derive(Args, Debug)]
+#[command(verbatim_doc_comment)]
+pub(crate) struct EmulatorArgs {
+    #[command(subcommand)]
+    command: EmulatorCommand,
+    /// First wait, at most this many seconds, until nothing moves and nothing is about to.
+    #[arg(long, global = true, value_name = "SECONDS", allow_hyphen_values = true, value_parser = seconds)]
+    wait_still: Option<f64>,
+}
+
+#[derive(Debug, Subcommand)]
+enum EmulatorCommand {
+    /// Show joints, pose, programs and connections.
+    State,
+    /// List what the arm did.
+    Ledger {
+        /// Only entries with a higher number than this.
+        #[arg(long, value_name = "SEQ")]
+        after: Option<u64>,
+    },
+    /// List the alarms.
+    Alarms,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let seconds = finite(text)?;
+    if (0.0..=3600.0).contains(&seconds) {
+        Ok(seconds)
+    } else {
+        Err("not between 0 and 3600 seconds".to_owned())
+    }
+}
+
+pub(crate) async fn run(args: EmulatorArgs, context: &Context) -> Result<Report, Failure> {
+    let emulator = context.emulator()?;
+    if let Some(seconds) = args.wait_still {
+        wait_still(&emulator, seconds).await?;
+    }
+    match args.command {
+        EmulatorCommand::State => {
+            let state = emulator.state().await?;
+            Ok(context.report(Exit::Done, &state, state_text))
+        }
+        EmulatorCommand::Ledger { after } => {
+            let ledger = emulator.ledger(after).await?;
+            Ok(context.report(Exit::Done, &ledger, ledger_text))
+        }
+        EmulatorCommand::Alarms => {
+            let alarms = emulator.alarms().await?;
+            Ok(context.report(Exit::Done, &alarms, alarms_text))
+        }
+    }
+}
+
+async fn wait_still(emulator: &EmulatorClient, seconds: f64) -> Result<(), Failure> {
+    let end = Instant::now() + Duration::from_secs_f64(seconds);
+    let mut ticks = tokio::time::interval(POLL);
+    ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    loop {
+        let _ = ticks.tick().await;
+        let state = emulator.state().await?;
+        if state.is_still() {
+            return Ok(());
+        }
+        if Instant::now() >= end {
+            let last = activity(&state);
+            return Err(Failure::NotStill { seconds, last });
+        }
+    }
+}
+
+fn activity(state: &EmulatorState) -> String {
+    let moving = if state.moving { "moving" } else { "not moving" };
+    let peers: Vec<&str> = state
+        .tags
+        .iter()
+        .filter_map(|tag| tag.peer.as_deref())
+        .collect();
+    format!(
+        "{moving}, {} in the motion queue, connected: {}",
+        state.motion_queue,
+        if peers.is_empty() {
+            "nobody".to_owned()
+        } else {
+            peers.join(", ")
+        }
+    )
+}
+
+fn state_text(state: &EmulatorState) -> String {
+    let mut tasks = Table::new(&["task", "program", "state", ">line", ""]);
+    for task in &state.tasks {
+        tasks.row([
+            task.name.clone(),
+            task.program.clone(),
+            task.state.clone(),
+            number(task.line),
+            task.detail.clone().unwrap_or_default(),
+        ]);
+    }
+    let mut tags = Table::new(&["tag", ">port", "state", "peer"]);
+    for tag in &state.tags {
+        tags.row([
+            tag.tag.clone(),
+            number(tag.port),
+            tag.state.clone(),
+            tag.peer.clone().unwrap_or_default(),
+        ]);
+    }
+    let joints: [f64; 6] = state.joints_deg.into();
+    let facts = [
+        (
+            "controller",
+            format!("{} ({})", state.controller, state.model),
+        ),
+        ("on for", format!("{:.3} s", state.time_s)),
+        ("joints", text::joints(JointsBody::from(joints))),
+        ("pose", text::pose(&state.pose)),
+        ("config", state.configuration.clone()),
+        ("motion", activity(state)),
+        ("override", format!("{} %", state.override_percent)),
+        ("alarms", format!("{} active", state.active_alarms)),
+    ];
+    format!("{}\n{tasks}\n{tags}", text::facts(&facts))
+}
+
+fn ledger_text(ledger: &Log<LedgerEntry>) -> String {
+    let mut table = Table::new(&[
+        ">seq", ">time s", "event", ">motion", "kind", ">mm/s", "target", "request",
+    ]);
+    for entry in &ledger.entries {
+        let target = entry.target_pose.as_ref().map(text::pose);
+        let note = entry.alarm.clone().or_else(|| entry.request_id.clone());
+        table.row([
+            entry.seq.to_string(),
+            format!("{:.3}", entry.time_s),
+            word(entry.event),
+            entry.motion.to_string(),
+            entry.kind.clone(),
+            entry.speed_mm_s.to_string(),
+            target.unwrap_or_default(),
+            note.unwrap_or_default(),
+        ]);
+    }
+    with_dropped(&table, ledger.dropped)
+}
+
+fn alarms_text(alarms: &Log<Alarm>) -> String {
+    if alarms.entries.is_empty() {
+        return "No alarm.".to_owned();
+    }
+    let mut table = Table::new(&[
+        ">seq", ">time s", "alarm", "severity", "active", "program", ">line", "text",
+    ]);
+    for alarm in &alarms.entries {
+        table.row([
+            alarm.seq.to_string(),
+            format!("{:.3}", alarm.time_s),
+            format!("{}-{:03}", alarm.facility, alarm.number),
+            alarm.severity.clone(),
+            if alarm.active { "yes" } else { "no" }.to_owned(),
+            alarm.program.clone().unwrap_or_default(),
+            number(alarm.line),
+            alarm.text.clone(),
+        ]);
+    }
+    with_dropped(&table, alarms.dropped)
+}
+
+fn with_dropped(table: &Table, dropped: u64) -> String {
+    match dropped {
+        0 => table.to_string(),
+        count => format!("{table}\n{count} older entries are not kept any more."),
+    }
+}
+
+fn number<T: ToString>(number: Option<T>) -> String {
+    number.map(|number| number.to_string()).unwrap_or_default()
+}

@@ -1,0 +1,207 @@
+//! What can go wrong, in words and as an exit code.
+
+use std::error::Error;
+use std::fmt::Write;
+
+use api::{Outcome, Problem, Violation};
+use client::ClientError;
+use serde::Serialize;
+
+use crate::report::{Exit, Report};
+
+/// Why a subcommand was not carried out.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Failure {
+    /// The server could not be asked, or said no.
+    #[error(transparent)]
+    Client(#[from] ClientError),
+    /// The command line leaves open which robot is meant.
+    #[error("{why}; say which one")]
+    WhichRobot { why: String, all: Vec<String> },
+    /// The command line asks for what cannot be.
+    #[error("{0}")]
+    Usage(String),
+    /// A relative move without a place to count from.
+    #[error("no motion of this robot was accepted yet, so there is nothing to count from")]
+    NoAcceptedTarget,
+    /// The arm did not come to rest in the time allowed.
+    #[error("still not at rest after {seconds} s: {last}")]
+    NotStill { seconds: f64, last: String },
+}
+
+/// A failure other than a problem, for machines.
+#[derive(Debug, Serialize)]
+struct Document {
+    title: String,
+    detail: String,
+    outcome: Outcome,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    status: Option<u16>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    request_id: Option<String>,
+}
+
+impl Failure {
+    /// The failure for people, or for machines.
+    pub(crate) fn report(&self, json: bool) -> Report {
+        let exit = self.exit();
+        if !json {
+            return Report::error(exit, &self.text());
+        }
+        match self {
+            Self::Client(ClientError::Problem(problem)) => Report::json(exit, problem),
+            Self::Client(error) => {
+                Report::json(exit, &self.document(error.status(), error.request_id()))
+            }
+            Self::WhichRobot { .. }
+            | Self::Usage(_)
+            | Self::NoAcceptedTarget
+            | Self::NotStill { .. } => Report::json(exit, &self.document(None, None)),
+        }
+    }
+
+    fn exit(&self) -> Exit {
+        match self {
+            Self::Client(error) => exit_of(error),
+            Self::WhichRobot { .. } | Self::Usage(_) => Exit::Usage,
+            Self::NoAcceptedTarget => Exit::Refused,
+            Self::NotStill { .. } => Exit::Link,
+        }
+    }
+
+    fn outcome(&self) -> Outcome {
+        match self {
+            Self::Client(error) => error.outcome(),
+            Self::WhichRobot { .. } | Self::Usage(_) | Self::NoAcceptedTarget => Outcome::NotSent,
+            Self::NotStill { .. } => Outcome::None,
+        }
+    }
+
+    fn document(&self, status: Option<u16>, request_id: Option<&str>) -> Document {
+        let title = match self.exit() {
+            Exit::Refused => "Refused",
+            Exit::Usage => "Usage",
+            Exit::Link | Exit::Done => "Link",
+        };
+        Document {
+            title: title.to_owned(),
+            detail: self.sentence(),
+            outcome: self.outcome(),
+            status,
+            request_id: request_id.map(str::to_owned),
+        }
+    }
+
+    /// The failure and its first cause; the layers of the transport between them tell nothing more.
+    fn sentence(&self) -> String {
+        let causes = std::iter::successors(self.source(), |&error| error.source());
+        match causes.last() {
+            Some(cause) => format!("{self}: {cause}"),
+            None => self.to_string(),
+        }
+    }
+
+    fn text(&self) -> String {
+        let mut text = match self {
+            Self::Client(ClientError::Problem(problem)) => problem_text(problem),
+            Self::Client(ClientError::Unreachable { .. }) => {
+                format!(
+                    "{}\nHint: is it running there? --server and --emulator name other addresses",
+                    self.sentence()
+                )
+            }
+            Self::Client(_) | Self::Usage(_) | Self::NotStill { .. } => self.sentence(),
+            Self::WhichRobot { all, .. } => list(&self.sentence(), all),
+            Self::NoAcceptedTarget => {
+                format!(
+                    "{}\nHint: move to an absolute pose, or home, first",
+                    self.sentence()
+                )
+            }
+        };
+        match self.outcome() {
+            Outcome::Unknown => text.push_str(
+                "\nThe outcome is UNKNOWN: the robot may have moved, or may be moving. \
+                 Look at it before sending anything else.",
+            ),
+            Outcome::NotSent | Outcome::Rejected | Outcome::None => {}
+        }
+        if let Self::Client(error) = self
+            && let Some(id) = error.request_id()
+        {
+            let _ = write!(text, "\nRequest {id}");
+        }
+        format!("cellctl: {text}")
+    }
+}
+
+/// 4xx is a refusal, anything else a matter of the link; where the outcome is unknown nobody can speak of a refusal.
+fn exit_of(error: &ClientError) -> Exit {
+    let refused = match error {
+        ClientError::Problem(_) | ClientError::Refused { .. } | ClientError::Invalid { .. } => {
+            error
+                .status()
+                .is_some_and(|status| (400..500).contains(&status))
+        }
+        ClientError::BaseUrl { .. } => return Exit::Usage,
+        ClientError::Unreachable { .. }
+        | ClientError::Timeout { .. }
+        | ClientError::Interrupted { .. }
+        | ClientError::Protocol { .. } => false,
+    };
+    if refused && error.outcome() != Outcome::Unknown {
+        Exit::Refused
+    } else {
+        Exit::Link
+    }
+}
+
+fn problem_text(problem: &Problem) -> String {
+    let mut text = format!("{}: {}", problem.title, problem.detail);
+    for violation in &problem.violations {
+        let _ = write!(text, "\n  {}", violation_text(violation));
+    }
+    if let Some(words) = &problem.controller_text {
+        let _ = write!(text, "\nThe controller said: {words}");
+    }
+    if let Some(motion) = problem.motion {
+        let _ = write!(text, "\nMotion {motion}");
+    }
+    if let Some(hint) = &problem.hint {
+        let _ = write!(text, "\nHint: {hint}");
+    }
+    text
+}
+
+fn violation_text(violation: &Violation) -> String {
+    let Violation {
+        item,
+        message,
+        value,
+        min,
+        max,
+    } = violation;
+    let mut text = item.clone();
+    if let Some(value) = value {
+        let _ = write!(text, " = {value}");
+    }
+    match (min, max) {
+        (Some(min), Some(max)) => {
+            let _ = write!(text, " (limits {min} to {max})");
+        }
+        (Some(min), None) => {
+            let _ = write!(text, " (at least {min})");
+        }
+        (None, Some(max)) => {
+            let _ = write!(text, " (at most {max})");
+        }
+        (None, None) => {}
+    }
+    format!("{text}: {message}")
+}
+
+fn list(sentence: &str, items: &[String]) -> String {
+    items.iter().fold(sentence.to_owned(), |text, item| {
+        format!("{text}\n  {item}")
+    })
+}

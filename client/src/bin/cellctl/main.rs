@@ -1,0 +1,58 @@
+//! `cellctl`: a robot cell from the command line.
+
+mod cells;
+mod cli;
+mod context;
+mod delta;
+mod describe;
+mod emulator;
+mod failure;
+mod fk;
+mod home;
+mod ik;
+mod motions;
+mod move_to;
+mod numbers;
+mod report;
+mod state;
+mod text;
+
+use std::io::Write;
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::cli::{Cli, Command};
+use crate::context::Context;
+use crate::failure::Failure;
+use crate::report::Report;
+
+#[tokio::main(flavor = "current_thread")]
+async fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let json = cli.global.json;
+    let report = match run(cli).await {
+        Ok(report) => report,
+        Err(failure) => failure.report(json),
+    };
+    // A reader that has gone away (`cellctl … | head`) takes nothing from what was done.
+    let _ = std::io::stdout().write_all(report.stdout.as_bytes());
+    let _ = std::io::stderr().write_all(report.stderr.as_bytes());
+    report.exit.into()
+}
+
+async fn run(cli: Cli) -> Result<Report, Failure> {
+    let context = Context::new(cli.global)?;
+    match cli.command {
+        Command::Move(args) => move_to::run(args, &context).await,
+        Command::Home(args) => home::run(args, &context).await,
+        Command::Delta(args) => delta::run(args, &context).await,
+        Command::Fk(args) => fk::run(args, &context).await,
+        Command::Ik(args) => ik::run(args, &context).await,
+        Command::State => state::run(&context).await,
+        Command::Cells => cells::run(&context).await,
+        Command::Describe => describe::run(&context).await,
+        Command::Motions(args) => motions::run(args, &context).await,
+        Command::Emulator(args) => emulator::run(args, &context).await,
+    }
+}

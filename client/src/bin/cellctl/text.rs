@@ -1,0 +1,139 @@
+//! Poses, joints and tables for people.
+
+use std::fmt::{self, Write};
+
+use api::{JointMargin, JointsBody, PoseBody};
+use serde::Serialize;
+
+/// A pose in a sentence.
+pub(crate) fn pose(pose: &PoseBody) -> String {
+    let PoseBody {
+        x_mm,
+        y_mm,
+        z_mm,
+        w_deg,
+        p_deg,
+        r_deg,
+    } = pose;
+    format!(
+        "X {x_mm:.3}  Y {y_mm:.3}  Z {z_mm:.3} mm  W {w_deg:.3}  P {p_deg:.3}  R {r_deg:.3} deg"
+    )
+}
+
+/// Joint values in a sentence.
+pub(crate) fn joints(joints: JointsBody) -> String {
+    let values: Vec<String> = (1..)
+        .zip(<[f64; 6]>::from(joints))
+        .map(|(number, value)| format!("J{number} {value:.3}"))
+        .collect();
+    format!("{} deg", values.join("  "))
+}
+
+/// An enum of the API by its name in JSON.
+pub(crate) fn word<T: Serialize>(value: T) -> String {
+    match serde_json::to_value(value) {
+        Ok(serde_json::Value::String(word)) => word,
+        Ok(other) => other.to_string(),
+        Err(_) => "?".to_owned(),
+    }
+}
+
+/// Facts, one a line, with their names in a column of their own.
+pub(crate) fn facts(facts: &[(&str, String)]) -> String {
+    let width = facts.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
+    facts.iter().fold(String::new(), |mut text, (name, fact)| {
+        let _ = writeln!(text, "  {name:<width$}  {fact}");
+        text
+    })
+}
+
+/// Each joint with its limits and how far inside them it is.
+pub(crate) fn margins(margins: &[JointMargin]) -> Table {
+    let mut table = Table::new(&["joint", ">value", ">min", ">max", ">margin", ""]);
+    for joint in margins {
+        table.row([
+            joint.joint.clone(),
+            format!("{:.3}", joint.value_deg),
+            format!("{:.3}", joint.min_deg),
+            format!("{:.3}", joint.max_deg),
+            format!("{:.3}", joint.margin_deg),
+            if joint.margin_deg < 0.0 {
+                "outside"
+            } else {
+                ""
+            }
+            .to_owned(),
+        ]);
+    }
+    table
+}
+
+/// An aligned table. A heading that begins with `>` aligns its column to the right.
+#[derive(Debug)]
+pub(crate) struct Table {
+    headings: Vec<&'static str>,
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    pub(crate) fn new(headings: &[&'static str]) -> Self {
+        Self {
+            headings: headings.to_vec(),
+            rows: Vec::new(),
+        }
+    }
+
+    pub(crate) fn row<const N: usize>(&mut self, cells: [String; N]) {
+        self.rows.push(cells.into());
+    }
+}
+
+impl fmt::Display for Table {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let titles: Vec<String> = self
+            .headings
+            .iter()
+            .map(|heading| heading.trim_start_matches('>').to_owned())
+            .collect();
+        let lines: Vec<&Vec<String>> = std::iter::once(&titles).chain(&self.rows).collect();
+        let widths: Vec<usize> = (0..titles.len())
+            .map(|column| {
+                let cells = lines.iter().filter_map(|line| line.get(column));
+                cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
+            })
+            .collect();
+        for line in lines {
+            let mut text = String::new();
+            for ((cell, &width), heading) in line.iter().zip(&widths).zip(&self.headings) {
+                if heading.starts_with('>') {
+                    let _ = write!(text, "  {cell:>width$}");
+                } else {
+                    let _ = write!(text, "  {cell:<width$}");
+                }
+            }
+            writeln!(f, "{}", text.trim_end())?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_is_aligned() {
+        let mut table = Table::new(&["name", ">value"]);
+        table.row(["J1".to_owned(), "-180.000".to_owned()]);
+        table.row(["elbow°".to_owned(), "0.500".to_owned()]);
+        assert_eq!(
+            table.to_string(),
+            "  name       value\n  J1      -180.000\n  elbow°     0.500\n"
+        );
+    }
+
+    #[test]
+    fn a_word_is_the_one_of_the_api() {
+        assert_eq!(word(api::MotionState::InDoubt), "in_doubt");
+    }
+}

@@ -1,0 +1,142 @@
+use std::time::Duration;
+
+use api::{
+    ForwardBody, ForwardResult, InverseBody, InverseResult, Motion, MotionBody, MotionList,
+    RobotDescription, RobotState,
+};
+use serde::Serialize;
+use uuid::Uuid;
+
+use crate::ClientError;
+use crate::http::{Effect, Exchange, Http};
+
+/// What the server's own work may add to a motion's deadline before its answer is here.
+const DEADLINE_MARGIN: Duration = Duration::from_secs(5);
+
+/// One robot of one cell. Cheap to clone.
+#[derive(Clone, Debug)]
+pub struct Robot {
+    http: Http,
+    cell: String,
+    id: String,
+}
+
+/// Which part of a list is wanted.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Page {
+    /// At most this many; the server's own measure where `None`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit: Option<u32>,
+    /// The `next_cursor` of the page before; `None` for the first page.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cursor: Option<String>,
+}
+
+impl Robot {
+    pub(crate) fn new(http: Http, cell: &str, id: &str) -> Self {
+        Self {
+            http,
+            cell: cell.to_owned(),
+            id: id.to_owned(),
+        }
+    }
+
+    /// The cell's id.
+    #[must_use]
+    pub fn cell(&self) -> &str {
+        &self.cell
+    }
+
+    /// The robot's id.
+    #[must_use]
+    pub fn id(&self) -> &str {
+        &self.id
+    }
+
+    /// What the robot is and what it can do.
+    ///
+    /// # Errors
+    /// A problem `not-found` if there is no such cell or robot; else as all calls.
+    pub async fn describe(&self) -> Result<RobotDescription, ClientError> {
+        self.get(&[]).json().await
+    }
+
+    /// What the server knows of the robot now.
+    ///
+    /// # Errors
+    /// As [`Robot::describe`].
+    pub async fn state(&self) -> Result<RobotState, ClientError> {
+        self.get(&["state"]).json().await
+    }
+
+    /// The pose at given joint values.
+    ///
+    /// # Errors
+    /// As [`Robot::describe`].
+    pub async fn forward(&self, body: &ForwardBody) -> Result<ForwardResult, ClientError> {
+        self.post(&["kinematics", "forward"], Effect::Question)
+            .body(body)
+            .json()
+            .await
+    }
+
+    /// Every branch that reaches a pose.
+    ///
+    /// # Errors
+    /// A problem `out-of-workspace` if no joint values reach it; else as [`Robot::describe`].
+    pub async fn inverse(&self, body: &InverseBody) -> Result<InverseResult, ClientError> {
+        self.post(&["kinematics", "inverse"], Effect::Question)
+            .body(body)
+            .json()
+            .await
+    }
+
+    /// Sends one motion and waits for the controller's answer to it.
+    ///
+    /// The answer says that the controller took the command, not that the arm has arrived. The motion is sent at most
+    /// once.
+    ///
+    /// # Errors
+    /// A problem if the server or the controller says no. After [`ClientError::Timeout`] and
+    /// [`ClientError::Interrupted`], and wherever [`ClientError::outcome`] is `Unknown`, the robot may have moved.
+    pub async fn create_motion(&self, body: &MotionBody) -> Result<Motion, ClientError> {
+        let timeout = match body.deadline_ms {
+            Some(deadline) => Duration::from_millis(deadline).saturating_add(DEADLINE_MARGIN),
+            None => self.http.timeouts.command,
+        };
+        self.post(&["motions"], Effect::Command(timeout))
+            .body(body)
+            .json()
+            .await
+    }
+
+    /// One motion and what became of it.
+    ///
+    /// # Errors
+    /// A problem `not-found` if there is no such motion; else as [`Robot::describe`].
+    pub async fn motion(&self, id: Uuid) -> Result<Motion, ClientError> {
+        self.get(&["motions", &id.to_string()]).json().await
+    }
+
+    /// A page of the robot's motions, newest first.
+    ///
+    /// # Errors
+    /// As [`Robot::describe`].
+    pub async fn motions(&self, page: &Page) -> Result<MotionList, ClientError> {
+        self.get(&["motions"]).query(page).json().await
+    }
+
+    fn get(&self, rest: &[&str]) -> Exchange {
+        self.http.get(&self.path(rest), Effect::Question)
+    }
+
+    fn post(&self, rest: &[&str], effect: Effect) -> Exchange {
+        self.http.post(&self.path(rest), effect)
+    }
+
+    fn path<'a>(&'a self, rest: &[&'a str]) -> Vec<&'a str> {
+        let mut path = vec!["api", "v1", "cells", &self.cell, "robots", &self.id];
+        path.extend(rest);
+        path
+    }
+}

@@ -1,0 +1,110 @@
+use api::{CellSummary, LegacyVersion, RobotSummary};
+
+use crate::http::{Effect, Http};
+use crate::{ClientError, Robot, Timeouts};
+
+/// The server's HTTP API. Cheap to clone.
+///
+/// Each call sends an `X-Request-Id`, a fresh one unless [`Client::with_request_id`] set it; the server logs it,
+/// writes it into motions and problems, and hands it to the virtual controller's ledger.
+#[derive(Clone, Debug)]
+pub struct Client {
+    pub(crate) http: Http,
+}
+
+impl Client {
+    /// A client of the server at `base_url`, e.g. `http://127.0.0.1:8080`, with the default [`Timeouts`].
+    ///
+    /// Nothing is sent yet.
+    ///
+    /// # Errors
+    /// [`ClientError::BaseUrl`] if the address is not an `http://` one.
+    pub fn new(base_url: &str) -> Result<Self, ClientError> {
+        Self::with_timeouts(base_url, Timeouts::default())
+    }
+
+    /// Like [`Client::new`], with time limits of the caller's choice.
+    ///
+    /// # Errors
+    /// [`ClientError::BaseUrl`] if the address is not an `http://` one.
+    pub fn with_timeouts(base_url: &str, timeouts: Timeouts) -> Result<Self, ClientError> {
+        Http::new(base_url, timeouts).map(|http| Self { http })
+    }
+
+    /// This client, with every request named `request_id`: 1 to 64 of `[A-Za-z0-9._-]`. The server puts an id of its
+    /// own in the place of any other.
+    #[must_use]
+    pub fn with_request_id(&self, request_id: &str) -> Self {
+        Self {
+            http: self.http.with_request_id(request_id),
+        }
+    }
+
+    /// One robot of one cell. Nothing is sent: whether it exists is known at the first call.
+    #[must_use]
+    pub fn robot(&self, cell: &str, robot: &str) -> Robot {
+        Robot::new(self.http.clone(), cell, robot)
+    }
+
+    /// Every cell with its robots.
+    ///
+    /// # Errors
+    /// As all calls: see [`ClientError`].
+    pub async fn cells(&self) -> Result<Vec<CellSummary>, ClientError> {
+        self.question(&["api", "v1", "cells"]).json().await
+    }
+
+    /// One cell with its robots.
+    ///
+    /// # Errors
+    /// A problem `not-found` if there is no such cell; else as all calls.
+    pub async fn cell(&self, cell: &str) -> Result<CellSummary, ClientError> {
+        self.question(&["api", "v1", "cells", cell]).json().await
+    }
+
+    /// The robots of one cell.
+    ///
+    /// # Errors
+    /// A problem `not-found` if there is no such cell; else as all calls.
+    pub async fn robots(&self, cell: &str) -> Result<Vec<RobotSummary>, ClientError> {
+        self.question(&["api", "v1", "cells", cell, "robots"])
+            .json()
+            .await
+    }
+
+    /// The server's version.
+    ///
+    /// # Errors
+    /// As all calls: see [`ClientError`].
+    pub async fn version(&self) -> Result<LegacyVersion, ClientError> {
+        self.question(&["version"]).json().await
+    }
+
+    /// Succeeds if the server's process answers.
+    ///
+    /// # Errors
+    /// As all calls: see [`ClientError`].
+    pub async fn livez(&self) -> Result<(), ClientError> {
+        self.question(&["livez"]).text().await.map(drop)
+    }
+
+    /// Succeeds if the server takes commands.
+    ///
+    /// # Errors
+    /// As all calls: see [`ClientError`].
+    pub async fn readyz(&self) -> Result<(), ClientError> {
+        self.question(&["readyz"]).text().await.map(drop)
+    }
+
+    /// The server's metrics in the Prometheus text format.
+    ///
+    /// # Errors
+    /// As all calls: see [`ClientError`].
+    pub async fn metrics(&self) -> Result<String, ClientError> {
+        self.question(&["metrics"]).text().await
+    }
+
+    fn question(&self, path: &[&str]) -> crate::http::Exchange {
+        self.http.get(path, Effect::Question)
+    }
+}

@@ -1,0 +1,9 @@
+//! The library and the real `cellctl` binary against a server that answers what the test says.
+
+mod cellctl_answers;
+mod cellctl_emulator;
+mod cellctl_failures;
+mod cellctl_usage;
+mod fake;
+mod library;
+mod samples;

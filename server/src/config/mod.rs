@@ -1,0 +1,173 @@
+//! The sections of the configuration file that concern the server, as they are written.
+//!
+//! These structs take what TOML can say; [`Plan::try_new`] checks it and makes what the server runs on.
+
+mod plan;
+mod robot;
+
+use serde::Deserialize;
+
+pub use plan::{ConfigError, Plan, ServerPlan};
+pub use robot::{CellPlan, RobotPlan};
+
+/// `[server]`: the listener and its limits.
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields, default)]
+pub struct ServerSection {
+    /// Where to listen, `address:port`. Port 0 takes any free port.
+    pub listen: String,
+    /// The robot the seed's own routes drive, `cell/robot`. Where there is only one robot it is that one.
+    pub legacy_robot: Option<String>,
+    /// The largest request body read, in bytes.
+    pub max_body_bytes: u64,
+    /// How long the head of a request may take to arrive; also how long a connection may idle, in milliseconds.
+    pub header_timeout_ms: u64,
+    /// How long a request's body may take to arrive, in milliseconds.
+    pub body_timeout_ms: u64,
+    /// How long a request may take in all, in milliseconds.
+    pub request_timeout_ms: u64,
+    /// How long requests may still run after the server was told to stop, in milliseconds.
+    pub shutdown_timeout_ms: u64,
+    /// How many connections may be open at once; further ones wait in the kernel's backlog.
+    pub max_connections: u64,
+}
+
+impl Default for ServerSection {
+    fn default() -> Self {
+        Self {
+            listen: "127.0.0.1:8080".to_owned(),
+            legacy_robot: None,
+            max_body_bytes: 64 * 1024,
+            header_timeout_ms: 5_000,
+            body_timeout_ms: 10_000,
+            request_timeout_ms: 75_000,
+            shutdown_timeout_ms: 10_000,
+            max_connections: 256,
+        }
+    }
+}
+
+/// `[[cells]]`: a cell and its robots.
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct CellSection {
+    /// The cell's id: `[a-z0-9][a-z0-9_-]{0,63}`, unique.
+    pub id: String,
+    /// A name for people; the id where absent.
+    pub name: Option<String>,
+    /// The robots in it.
+    #[serde(default)]
+    pub robots: Vec<RobotSection>,
+}
+
+/// `[[cells.robots]]`: a robot and the way to its controller.
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct RobotSection {
+    /// The robot's id: `[a-z0-9][a-z0-9_-]{0,63}`, unique in its cell.
+    pub id: String,
+    /// A name for people; the id where absent.
+    pub name: Option<String>,
+    /// The arm model, e.g. `fanuc-m20ia`.
+    pub model: String,
+    /// Where the controller's socket server listens, `host:port`.
+    pub controller: String,
+    /// What the program on the controller can promise.
+    #[serde(default = "seed_tier")]
+    pub tier: api::Tier,
+    /// The configuration the controller's program keeps.
+    #[serde(default = "front_flip_up")]
+    pub configuration: String,
+    /// The tool center point in the flange frame.
+    #[serde(default)]
+    pub tool: FrameSection,
+    /// The user frame in the world frame.
+    #[serde(default)]
+    pub user_frame: FrameSection,
+    /// The fastest programmed speed allowed, in mm/s.
+    #[serde(default = "fastest")]
+    pub max_speed_mm_s: u64,
+    /// How many commands may wait.
+    #[serde(default = "queue_capacity")]
+    pub queue_capacity: u64,
+    /// How long connecting may take, in milliseconds.
+    #[serde(default = "connect_timeout_ms")]
+    pub connect_timeout_ms: u64,
+    /// How long the controller may take to answer once the command is written, in milliseconds.
+    #[serde(default = "reply_timeout_ms")]
+    pub reply_timeout_ms: u64,
+    /// How long a command may take in all, waiting in the queue included, in milliseconds.
+    #[serde(default = "deadline_ms")]
+    pub deadline_ms: u64,
+}
+
+impl RobotSection {
+    /// A robot with every optional key at its default.
+    pub fn new(
+        id: impl Into<String>,
+        model: impl Into<String>,
+        controller: impl Into<String>,
+    ) -> Self {
+        Self {
+            id: id.into(),
+            name: None,
+            model: model.into(),
+            controller: controller.into(),
+            tier: seed_tier(),
+            configuration: front_flip_up(),
+            tool: FrameSection::default(),
+            user_frame: FrameSection::default(),
+            max_speed_mm_s: fastest(),
+            queue_capacity: queue_capacity(),
+            connect_timeout_ms: connect_timeout_ms(),
+            reply_timeout_ms: reply_timeout_ms(),
+            deadline_ms: deadline_ms(),
+        }
+    }
+}
+
+/// A frame: millimeters, and degrees about the fixed X, Y and Z axes. Absent keys are zero.
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields, default)]
+pub struct FrameSection {
+    /// X in millimeters.
+    pub x_mm: f64,
+    /// Y in millimeters.
+    pub y_mm: f64,
+    /// Z in millimeters.
+    pub z_mm: f64,
+    /// W in degrees.
+    pub w_deg: f64,
+    /// P in degrees.
+    pub p_deg: f64,
+    /// R in degrees.
+    pub r_deg: f64,
+}
+
+fn seed_tier() -> api::Tier {
+    api::Tier::Seed
+}
+
+fn front_flip_up() -> String {
+    "N U T, 0, 0, 0".to_owned()
+}
+
+fn fastest() -> u64 {
+    u64::from(protocol::MAX_SPEED)
+}
+
+fn queue_capacity() -> u64 {
+    16
+}
+
+fn connect_timeout_ms() -> u64 {
+    1_000
+}
+
+fn reply_timeout_ms() -> u64 {
+    5_000
+}
+
+fn deadline_ms() -> u64 {
+    10_000
+}

@@ -1,0 +1,155 @@
+//! The way to a controller: a bounded queue in front of the one task that owns the socket.
+//!
+//! A command waits in the queue until its turn or its deadline. It is sent at most once; see [`LinkError`] for what
+//! is known of it when no answer tells. A caller that goes away does not take its command with it: the command is
+//! carried out and recorded, because from outside it cannot be told how far it had come.
+
+mod connector;
+mod error;
+mod owner;
+mod seed;
+
+use std::time::Duration;
+
+use api::{LinkState, ProblemCode};
+use jiff::Timestamp;
+use protocol::{Reply, WireMove};
+use tokio::sync::{mpsc, oneshot, watch};
+use tokio::time::Instant;
+use units::MmPerSec;
+use uuid::Uuid;
+
+pub use connector::{AddressError, Connector, ControllerAddress, TcpConnector};
+pub(crate) use error::LinkError;
+pub(crate) use owner::{Owner, spawn};
+
+use crate::request_id::RequestId;
+use crate::target::{Prepared, Refusal};
+
+/// A handle on a robot's link.
+#[derive(Clone, Debug)]
+pub(crate) struct Link {
+    queue: mpsc::Sender<Job>,
+    status: watch::Receiver<Status>,
+}
+
+/// What a caller wants done.
+#[derive(Debug)]
+pub(crate) enum Order {
+    /// A move that was checked and recorded.
+    Move { motion: Uuid, prepared: Prepared },
+    /// A change to the last accepted target. Only the owner of the link knows that target when the turn comes, so
+    /// two of these never count from the same one.
+    Delta { change: [f64; 6], speed: MmPerSec },
+}
+
+/// An order in the queue.
+#[derive(Debug)]
+pub(crate) struct Job {
+    order: Order,
+    deadline: Instant,
+    request_id: RequestId,
+    answer: oneshot::Sender<Answer>,
+}
+
+/// What became of an order.
+#[derive(Debug)]
+pub(crate) enum Answer {
+    /// The controller answered.
+    Replied {
+        motion: Uuid,
+        reply: Reply,
+        sent: WireMove,
+    },
+    /// No answer that tells.
+    Failed {
+        /// Absent where no motion came to be recorded.
+        motion: Option<Uuid>,
+        error: LinkError,
+    },
+    /// The target of a relative move was refused.
+    Refused(Refusal),
+    /// A relative move has nothing to count from.
+    NoBase(Base),
+}
+
+/// What a relative move counts from.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(crate) enum Base {
+    /// No target was accepted yet.
+    Nothing,
+    /// The target last accepted.
+    Target(WireMove),
+    /// A later command is in doubt: the arm may be on its way to either target.
+    InDoubt,
+}
+
+/// What the owner publishes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Status {
+    pub(crate) state: LinkState,
+    pub(crate) last_answer_at: Option<Timestamp>,
+    pub(crate) last_failure: Option<ProblemCode>,
+    pub(crate) base: Base,
+    pub(crate) last_motion: Option<Uuid>,
+}
+
+/// Why an order did not get into the queue: proven not sent.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(crate) enum Turned {
+    /// The queue is full.
+    Busy,
+    /// The server is stopping.
+    Stopping,
+}
+
+/// A place in the queue that is not filled yet.
+#[derive(Debug)]
+pub(crate) struct Place<'a>(mpsc::Permit<'a, Job>);
+
+impl Link {
+    /// Takes a place in the queue, or says at once that there is none.
+    pub(crate) fn reserve(&self) -> Result<Place<'_>, Turned> {
+        match self.queue.try_reserve() {
+            Ok(permit) => Ok(Place(permit)),
+            Err(mpsc::error::TrySendError::Full(())) => Err(Turned::Busy),
+            Err(mpsc::error::TrySendError::Closed(())) => Err(Turned::Stopping),
+        }
+    }
+
+    /// The link as it is now.
+    pub(crate) fn status(&self) -> Status {
+        *self.status.borrow()
+    }
+
+    /// Orders waiting, and how many may.
+    pub(crate) fn depth(&self) -> (usize, usize) {
+        let capacity = self.queue.max_capacity();
+        (capacity - self.queue.capacity(), capacity)
+    }
+
+    /// Whether the owner task takes orders.
+    pub(crate) fn is_running(&self) -> bool {
+        !self.queue.is_closed()
+    }
+}
+
+impl Place<'_> {
+    /// Queues an order; the answer comes by `deadline` or shortly after. `None` means that the owner task is gone,
+    /// which only a defect of the server can cause.
+    pub(crate) async fn fill(
+        self,
+        order: Order,
+        within: Duration,
+        request_id: RequestId,
+    ) -> Option<Answer> {
+        let (answer, answered) = oneshot::channel();
+        self.0.send(Job {
+            order,
+            deadline: Instant::now() + within,
+            request_id,
+            answer,
+        });
+        answered.await.ok()
+    }
+}

@@ -1,0 +1,273 @@
+use std::sync::Arc;
+use std::time::Duration;
+
+use api::{LinkState, Outcome};
+use kinematics::Xyzwpr;
+use protocol::{Reply, WireMove};
+use tokio::sync::{mpsc, watch};
+use tokio::time::Instant;
+use tokio_util::sync::CancellationToken;
+use tokio_util::task::TaskTracker;
+use units::{Degrees, Millimeters};
+use uuid::Uuid;
+
+use super::seed::{Answered, Drained, Exchange, drain};
+use super::{Answer, Base, Connector, Job, Link, LinkError, Order, Status};
+use crate::config::RobotPlan;
+use crate::metrics::LinkMetrics;
+use crate::motion_store::{End, MotionStore};
+use crate::target::{Prepared, sent_point};
+
+/// For how long after an answer a refused connection means that the controller is reopening its tag.
+const REOPENING: Duration = Duration::from_millis(300);
+
+/// The one task that talks to a robot's controller.
+#[derive(Debug)]
+pub(crate) struct Owner<C> {
+    pub(crate) plan: Arc<RobotPlan>,
+    pub(crate) motions: Arc<MotionStore>,
+    pub(crate) connector: Arc<C>,
+    pub(crate) metrics: LinkMetrics,
+}
+
+/// Starts the owner task of a link. It ends between two commands once `stop` is cancelled, and answers what is
+/// still queued.
+pub(crate) fn spawn<C: Connector>(
+    owner: Owner<C>,
+    tracker: &TaskTracker,
+    stop: CancellationToken,
+) -> Link {
+    let (queue, jobs) = mpsc::channel(owner.plan.queue_capacity);
+    let (publish, status) = watch::channel(Status {
+        state: LinkState::Untried,
+        last_answer_at: None,
+        last_failure: None,
+        base: Base::Nothing,
+        last_motion: None,
+    });
+    let task = Task {
+        owner,
+        publish,
+        reopening_until: None,
+        received: Vec::with_capacity(256),
+    };
+    // The tracker waits for the task; nothing needs its handle.
+    drop(tracker.spawn(task.run(jobs, stop)));
+    Link { queue, status }
+}
+
+struct Task<C> {
+    owner: Owner<C>,
+    publish: watch::Sender<Status>,
+    reopening_until: Option<Instant>,
+    received: Vec<u8>,
+}
+
+impl<C: Connector> Task<C> {
+    async fn run(mut self, mut jobs: mpsc::Receiver<Job>, stop: CancellationToken) {
+        loop {
+            let job = tokio::select! {
+                biased;
+                () = stop.cancelled() => break,
+                job = jobs.recv() => job,
+            };
+            match job {
+                Some(job) => self.carry_out(job).await,
+                None => break,
+            }
+        }
+        jobs.close();
+        while let Some(job) = jobs.recv().await {
+            self.fail_unsent(job, LinkError::Stopping);
+        }
+    }
+
+    async fn carry_out(&mut self, job: Job) {
+        if Instant::now() >= job.deadline {
+            self.fail_unsent(job, LinkError::DeadlinePassed);
+            return;
+        }
+        let (motion, prepared) = match job.order {
+            Order::Move { motion, prepared } => (motion, prepared),
+            Order::Delta { change, speed } => match self.resolve(change, speed) {
+                Ok(prepared) => {
+                    let id = job.request_id.clone();
+                    (self.owner.motions.queue(prepared, id, None), prepared)
+                }
+                Err(answer) => {
+                    answer_caller(job.answer, answer);
+                    return;
+                }
+            },
+        };
+        self.owner.motions.dispatch(motion);
+        self.publish.send_modify(|status| {
+            status.state = LinkState::Busy;
+            status.last_motion = Some(motion);
+        });
+        let exchanged = self
+            .exchange(&prepared.wire, &job.request_id, job.deadline)
+            .await;
+        match exchanged {
+            Ok(Answered { reply, stream }) => {
+                self.record_reply(motion, reply, prepared.wire, &job.request_id);
+                answer_caller(
+                    job.answer,
+                    Answer::Replied {
+                        motion,
+                        reply,
+                        sent: prepared.wire,
+                    },
+                );
+                self.finish(stream, &job.request_id).await;
+            }
+            Err(error) => {
+                self.record_failure(motion, &error, &job.request_id);
+                let answer = Answer::Failed {
+                    motion: Some(motion),
+                    error,
+                };
+                answer_caller(job.answer, answer);
+            }
+        }
+    }
+
+    async fn exchange(
+        &mut self,
+        wire: &WireMove,
+        request_id: &str,
+        deadline: Instant,
+    ) -> Result<Answered<C::Stream>, LinkError> {
+        let exchange = Exchange {
+            connector: &*self.owner.connector,
+            plan: &self.owner.plan,
+            request_id,
+            deadline,
+            reopening_until: self.reopening_until.take(),
+        };
+        let started = Instant::now();
+        let stream = exchange.connect().await?;
+        let connected = Instant::now();
+        self.owner.metrics.connected(connected - started);
+        let answered = exchange
+            .send(stream, &wire.encode(), &mut self.received)
+            .await?;
+        self.owner.metrics.replied(connected.elapsed());
+        Ok(answered)
+    }
+
+    /// The absolute target of a relative move, counted from the target last accepted.
+    fn resolve(&self, change: [f64; 6], speed: units::MmPerSec) -> Result<Prepared, Answer> {
+        let base = self.publish.borrow().base;
+        let Base::Target(base) = base else {
+            return Err(Answer::NoBase(base));
+        };
+        let from = sent_point(&base);
+        let [dx, dy, dz, dw, dp, dr] = change;
+        let point = Xyzwpr {
+            x: from.x + Millimeters(dx),
+            y: from.y + Millimeters(dy),
+            z: from.z + Millimeters(dz),
+            w: from.w + Degrees(dw),
+            p: from.p + Degrees(dp),
+            r: from.r + Degrees(dr),
+        };
+        self.owner
+            .plan
+            .prepare_point(&point, speed)
+            .map_err(Answer::Refused)
+    }
+
+    fn record_reply(&self, motion: Uuid, reply: Reply, sent: WireMove, request_id: &str) {
+        let end = match reply {
+            Reply::Accepted => End::Accepted,
+            Reply::Unreachable | Reply::IncorrectInput => End::Rejected { text: reply.text() },
+        };
+        let at = self.owner.motions.end(motion, end);
+        self.owner.metrics.reply(reply);
+        self.publish.send_modify(|status| {
+            status.state = LinkState::Answering;
+            status.last_answer_at = Some(at);
+            status.last_failure = None;
+            if reply == Reply::Accepted {
+                status.base = Base::Target(sent);
+            }
+        });
+        tracing::debug!(
+            robot.id = self.owner.plan.id,
+            request_id,
+            %motion,
+            %reply,
+            "the controller answered the command"
+        );
+    }
+
+    fn record_failure(&self, motion: Uuid, error: &LinkError, request_id: &str) {
+        let _at = self.owner.motions.end(motion, error.end());
+        self.owner.metrics.failure(error);
+        let in_doubt = error.outcome() == Outcome::Unknown;
+        self.publish.send_modify(|status| {
+            status.last_failure = Some(error.code());
+            status.state = if in_doubt {
+                LinkState::Degraded
+            } else {
+                LinkState::Disconnected
+            };
+            if in_doubt {
+                status.base = Base::InDoubt;
+            }
+        });
+        tracing::warn!(
+            robot.id = self.owner.plan.id,
+            request_id,
+            %motion,
+            outcome = ?error.outcome(),
+            error = error.chain(),
+            "the command got no answer that tells"
+        );
+    }
+
+    /// Answers an order whose turn did not come.
+    fn fail_unsent(&self, job: Job, error: LinkError) {
+        let motion = match job.order {
+            Order::Move { motion, .. } => Some(motion),
+            Order::Delta { .. } => None,
+        };
+        if let Some(motion) = motion {
+            let _at = self.owner.motions.end(motion, error.end());
+        }
+        self.owner.metrics.failure(&error);
+        tracing::info!(
+            robot.id = self.owner.plan.id,
+            request_id = &*job.request_id,
+            reason = %error,
+            "the command was not sent"
+        );
+        answer_caller(job.answer, Answer::Failed { motion, error });
+    }
+
+    async fn finish(&mut self, stream: C::Stream, request_id: &str) {
+        match drain(stream, &mut self.received).await {
+            Drained::Closed => {}
+            Drained::MoreBytes => tracing::warn!(
+                robot.id = self.owner.plan.id,
+                request_id,
+                bytes = self.received.len(),
+                "bytes followed the controller's reply; is another program answering?"
+            ),
+            Drained::LeftOpen => tracing::warn!(
+                robot.id = self.owner.plan.id,
+                request_id,
+                "the controller left the connection open after its reply"
+            ),
+        }
+        self.reopening_until = Some(Instant::now() + REOPENING);
+    }
+}
+
+/// The caller may have gone; what became of its order is recorded all the same.
+fn answer_caller(caller: tokio::sync::oneshot::Sender<Answer>, answer: Answer) {
+    if caller.send(answer).is_err() {
+        tracing::debug!("the caller went away before its answer");
+    }
+}

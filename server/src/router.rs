@@ -1,0 +1,34 @@
+use std::sync::Arc;
+
+use axum::http::Uri;
+use axum::{Router, middleware};
+use utoipa::openapi::OpenApi;
+
+use crate::edge::edge;
+use crate::problem::Problem;
+use crate::routes;
+use crate::state::App;
+
+/// The documented routes and their document.
+pub(crate) fn documented() -> (Router<Arc<App>>, OpenApi) {
+    routes::documented().split_for_parts()
+}
+
+/// The whole router: the documented routes, the pages that show the document, and the layer around all of them.
+pub(crate) fn finish(routes: Router<Arc<App>>, document: OpenApi, app: Arc<App>) -> Router {
+    let _ = document;
+    routes
+        .fallback(not_found)
+        .layer(middleware::from_fn_with_state(Arc::clone(&app), edge))
+        .with_state(app)
+}
+
+async fn not_found(uri: Uri) -> Problem {
+    let shown: String = uri
+        .path()
+        .chars()
+        .take(100)
+        .flat_map(char::escape_default)
+        .collect();
+    Problem::not_found(format!("there is nothing at `{shown}`"))
+}

@@ -1,0 +1,205 @@
+//! The seed's own routes, for the clients that know them: its paths, its keys, its answers.
+//!
+//! All of them drive the one robot the configuration names, through the same link as every other route.
+
+use std::sync::Arc;
+
+use api::{LegacyDelta, LegacyMoved, LegacyPoint, LegacyRefusal, LegacyValidation, LegacyVersion};
+use axum::Json;
+use axum::extract::{FromRequest, FromRequestParts, Query, Request, State};
+use axum::http::request::Parts;
+use protocol::{MAX_SPEED, MIN_SPEED};
+use serde::de::DeserializeOwned;
+use units::MmPerSec;
+
+use super::legacy_error::{LegacyError, Names};
+use super::responses::{AnyProblem, BodyProblem, LinkProblem};
+use crate::commands::Accepted;
+use crate::extract::read_json;
+use crate::request_id::RequestId;
+use crate::state::App;
+use crate::target::sent_point;
+use crate::wire_bodies::{legacy_point, point_of_legacy};
+
+const POINT: Names = ["x", "y", "z", "w", "p", "r"];
+/// The speed of a move whose request names none, in mm/s.
+const DEFAULT_VELOCITY: u16 = 200;
+
+/// Moves to a point.
+///
+/// The answer means that the controller took the command, not that the arm is there.
+#[utoipa::path(
+    post, path = "/fanuc/move", tag = "legacy",
+    params(("velocity" = Option<u16>, Query, minimum = 1, maximum = 1999, description = "Programmed speed in mm/s; 200 where absent.")),
+    request_body = LegacyPoint,
+    responses(
+        (status = 200, description = "The controller took the command.", body = LegacyMoved),
+        (status = 409, description = "The controller or the server's kinematics refused the point, or its deadline passed in the queue. Nothing moved.",
+            content((LegacyRefusal = "application/json"), (api::Problem = "application/problem+json"))),
+        (status = 422, description = "The body or the velocity does not fit.", body = LegacyValidation),
+        AnyProblem, BodyProblem, LinkProblem,
+    ),
+)]
+pub(super) async fn fanuc_move(
+    State(app): State<Arc<App>>,
+    request_id: RequestId,
+    Velocity(speed): Velocity,
+    LegacyBody(body): LegacyBody<LegacyPoint>,
+) -> Result<Json<LegacyMoved>, LegacyError> {
+    let robot = &app.legacy;
+    let prepared = robot
+        .plan
+        .prepare_point(&point_of_legacy(&body), speed)
+        .map_err(|refusal| LegacyError::of_refusal(&refusal, POINT))?;
+    let within = robot.plan.deadline;
+    match robot.carry_out(prepared, request_id, within, None).await {
+        Ok(accepted) => Ok(moved(&accepted)),
+        Err(failure) => Err(LegacyError::of_failure(failure, robot)),
+    }
+}
+
+/// Moves to the home joints of the arm model.
+#[utoipa::path(
+    post, path = "/fanuc/home", tag = "legacy",
+    params(("velocity" = Option<u16>, Query, minimum = 1, maximum = 1999, description = "Programmed speed in mm/s; 200 where absent.")),
+    responses(
+        (status = 200, description = "The controller took the command.", body = LegacyMoved),
+        (status = 409, description = "The controller refused the point, or its deadline passed in the queue. Nothing moved.",
+            content((LegacyRefusal = "application/json"), (api::Problem = "application/problem+json"))),
+        (status = 422, description = "The velocity does not fit.", body = LegacyValidation),
+        AnyProblem, LinkProblem,
+    ),
+)]
+pub(super) async fn fanuc_home(
+    State(app): State<Arc<App>>,
+    request_id: RequestId,
+    Velocity(speed): Velocity,
+) -> Result<Json<LegacyMoved>, LegacyError> {
+    let robot = &app.legacy;
+    let prepared = robot
+        .plan
+        .prepare_home(speed)
+        .map_err(|refusal| LegacyError::of_refusal(&refusal, POINT))?;
+    let within = robot.plan.deadline;
+    match robot.carry_out(prepared, request_id, within, None).await {
+        Ok(accepted) => Ok(moved(&accepted)),
+        Err(failure) => Err(LegacyError::of_failure(failure, robot)),
+    }
+}
+
+/// Moves relative to the last accepted target, number by number.
+///
+/// It counts from the target the controller last accepted through this server, on any route; not from where the arm
+/// is. While that target is not known (none yet, or a command in doubt since) it is refused.
+#[utoipa::path(
+    post, path = "/fanuc/delta", tag = "legacy",
+    params(("velocity" = Option<u16>, Query, minimum = 1, maximum = 1999, description = "Programmed speed in mm/s; 200 where absent.")),
+    request_body = LegacyDelta,
+    responses(
+        (status = 200, description = "The controller took the command.", body = LegacyMoved),
+        (status = 409, description = "There is no target to count from, the new point was refused, or its deadline passed in the queue. Nothing moved.",
+            content((LegacyRefusal = "application/json"), (api::Problem = "application/problem+json"))),
+        (status = 422, description = "The body or the velocity does not fit.", body = LegacyValidation),
+        AnyProblem, BodyProblem, LinkProblem,
+    ),
+)]
+pub(super) async fn fanuc_delta(
+    State(app): State<Arc<App>>,
+    request_id: RequestId,
+    Velocity(speed): Velocity,
+    LegacyBody(body): LegacyBody<LegacyDelta>,
+) -> Result<Json<LegacyMoved>, LegacyError> {
+    let robot = &app.legacy;
+    let change = [body.dx, body.dy, body.dz, body.dw, body.dp, body.dr];
+    match robot.carry_out_delta(change, speed, request_id).await {
+        Ok(accepted) => Ok(moved(&accepted)),
+        Err(failure) => Err(LegacyError::of_failure(failure, robot)),
+    }
+}
+
+/// The server's version.
+#[utoipa::path(
+    get, path = "/version", tag = "legacy",
+    responses((status = 200, description = "The version.", body = LegacyVersion), AnyProblem),
+)]
+pub(super) async fn version() -> Json<LegacyVersion> {
+    Json(LegacyVersion {
+        version: vec![env!("CARGO_PKG_VERSION").to_owned()],
+    })
+}
+
+fn moved(accepted: &Accepted) -> Json<LegacyMoved> {
+    Json(LegacyMoved {
+        current_position: legacy_point(&sent_point(&accepted.sent)),
+    })
+}
+
+/// A JSON body whose errors come in the seed's shape.
+pub(super) struct LegacyBody<T>(T);
+
+impl<T: DeserializeOwned> FromRequest<Arc<App>> for LegacyBody<T> {
+    type Rejection = LegacyError;
+
+    async fn from_request(request: Request, app: &Arc<App>) -> Result<Self, LegacyError> {
+        Ok(Self(read_json(request, &app.server).await?))
+    }
+}
+
+/// The query `velocity=200`, a speed the robot may be given.
+pub(super) struct Velocity(MmPerSec);
+
+impl FromRequestParts<Arc<App>> for Velocity {
+    type Rejection = LegacyError;
+
+    async fn from_request_parts(parts: &mut Parts, app: &Arc<App>) -> Result<Self, LegacyError> {
+        let max = app.legacy.plan.max_speed.min(MAX_SPEED);
+        let Some(query) = parts.uri.query() else {
+            return velocity(DEFAULT_VELOCITY, max);
+        };
+        // The form most requests have needs no decoding.
+        if let Some(value) = query.strip_prefix("velocity=")
+            && let Ok(value) = value.parse()
+        {
+            return velocity(value, max);
+        }
+        let pairs = Query::<Vec<(String, String)>>::try_from_uri(&parts.uri).map_err(|error| {
+            LegacyError::validation(&["query"], "value_error", error.body_text())
+        })?;
+        let mut given = None;
+        for (key, value) in pairs.0 {
+            if key != "velocity" {
+                let message = format!("`{key}` is unknown; the only parameter is `velocity`");
+                return Err(LegacyError::validation(
+                    &["query", &key],
+                    "extra_forbidden",
+                    message,
+                ));
+            }
+            if given.is_some() {
+                let message = "velocity is given twice";
+                return Err(LegacyError::validation(
+                    &["query", "velocity"],
+                    "duplicate",
+                    message,
+                ));
+            }
+            let whole = value.parse().map_err(|_| out_of_range(&value, max))?;
+            given = Some(whole);
+        }
+        velocity(given.unwrap_or(DEFAULT_VELOCITY), max)
+    }
+}
+
+fn velocity(value: u16, max: u16) -> Result<Velocity, LegacyError> {
+    if (MIN_SPEED..=max).contains(&value) {
+        Ok(Velocity(MmPerSec(f64::from(value))))
+    } else {
+        Err(out_of_range(&value.to_string(), max))
+    }
+}
+
+fn out_of_range(value: &str, max: u16) -> LegacyError {
+    let message =
+        format!("velocity is {value}; it must be a whole number of {MIN_SPEED} to {max} mm/s");
+    LegacyError::validation(&["query", "velocity"], "value_error", message)
+}

@@ -1,0 +1,52 @@
+//! The problems groups of routes share, for the OpenAPI document.
+
+#![expect(dead_code, reason = "the variants exist for their descriptions only")]
+
+use api::Problem;
+use utoipa::IntoResponses;
+
+/// What can be wrong with any request.
+#[derive(IntoResponses)]
+pub(crate) enum AnyProblem {
+    /// `request-timeout`: the body did not arrive, or the request was not answered, in time.
+    #[response(status = 408, content_type = "application/problem+json")]
+    Timeout(Problem),
+    /// `internal`: a defect of the server.
+    #[response(status = 500, content_type = "application/problem+json")]
+    Internal(Problem),
+}
+
+/// What can be wrong with the form of a JSON body.
+#[derive(IntoResponses)]
+pub(crate) enum BodyProblem {
+    /// `payload-too-large`
+    #[response(status = 413, content_type = "application/problem+json")]
+    TooLarge(Problem),
+    /// `unsupported-media-type`
+    #[response(status = 415, content_type = "application/problem+json")]
+    MediaType(Problem),
+}
+
+/// `invalid-json`
+#[derive(IntoResponses)]
+#[response(status = 400, content_type = "application/problem+json")]
+pub(crate) struct InvalidJson(Problem);
+
+/// `not-found`: no such cell, robot or motion.
+#[derive(IntoResponses)]
+#[response(status = 404, content_type = "application/problem+json")]
+pub(crate) struct NotFound(Problem);
+
+/// What a controller's link can answer a command with.
+#[derive(IntoResponses)]
+pub(crate) enum LinkProblem {
+    /// `controller-protocol`: the controller's answer is not understood; the motion is in doubt.
+    #[response(status = 502, content_type = "application/problem+json")]
+    Protocol(Problem),
+    /// `controller-busy`, `controller-disconnected` or `shutting-down`: not sent.
+    #[response(status = 503, content_type = "application/problem+json")]
+    Unavailable(Problem),
+    /// `controller-timeout`: no answer in time; the motion is in doubt.
+    #[response(status = 504, content_type = "application/problem+json")]
+    Timeout(Problem),
+}

@@ -1,0 +1,128 @@
+use std::sync::Arc;
+
+use metrics_exporter_prometheus::BuildError;
+use tokio_util::sync::CancellationToken;
+use tokio_util::task::TaskTracker;
+
+use crate::clock::WallClock;
+use crate::config::{Plan, RobotPlan, ServerPlan};
+use crate::link::{self, Connector, Link, Owner};
+use crate::metrics::{LinkMetrics, Metrics};
+use crate::motion_store::MotionStore;
+use crate::problem::Problem;
+
+/// What the handlers work on.
+#[derive(Debug)]
+pub(crate) struct App {
+    pub(crate) server: ServerPlan,
+    pub(crate) cells: Vec<Cell>,
+    pub(crate) legacy: Arc<Robot>,
+    pub(crate) metrics: Metrics,
+    pub(crate) clock: Arc<dyn WallClock>,
+}
+
+#[derive(Debug)]
+pub(crate) struct Cell {
+    pub(crate) id: String,
+    pub(crate) name: String,
+    pub(crate) robots: Vec<Arc<Robot>>,
+}
+
+#[derive(Debug)]
+pub(crate) struct Robot {
+    pub(crate) plan: Arc<RobotPlan>,
+    pub(crate) link: Link,
+    pub(crate) motions: Arc<MotionStore>,
+    pub(crate) metrics: LinkMetrics,
+}
+
+/// What the server is given from outside, so that a test can give something else.
+#[derive(Clone, Debug)]
+pub struct Seams<C> {
+    /// How controllers are reached.
+    pub connector: C,
+    /// What time it is, for the records people read.
+    pub clock: Arc<dyn WallClock>,
+}
+
+impl App {
+    /// Starts the links. They end once `stop` is cancelled; `tracker` waits for them.
+    pub(crate) fn start<C: Connector>(
+        plan: Plan,
+        seams: Seams<C>,
+        routes: impl Iterator<Item = String>,
+        tracker: &TaskTracker,
+        stop: &CancellationToken,
+    ) -> Result<Self, BuildError> {
+        let metrics = Metrics::new(routes)?;
+        let connector = Arc::new(seams.connector);
+        let clock = seams.clock;
+        let start_robot = |plan: RobotPlan| {
+            let plan = Arc::new(plan);
+            let motions = Arc::new(MotionStore::new(Arc::clone(&clock)));
+            let metrics = metrics.link(&plan);
+            let owner = Owner {
+                plan: Arc::clone(&plan),
+                motions: Arc::clone(&motions),
+                connector: Arc::clone(&connector),
+                metrics: metrics.clone(),
+            };
+            Arc::new(Robot {
+                link: link::spawn(owner, tracker, stop.clone()),
+                plan,
+                motions,
+                metrics,
+            })
+        };
+        let cells: Vec<_> = plan
+            .cells
+            .into_iter()
+            .map(|cell| Cell {
+                id: cell.id,
+                name: cell.name,
+                robots: cell.robots.into_iter().map(start_robot).collect(),
+            })
+            .collect();
+        let (cell, robot) = plan.legacy;
+        let legacy = cells
+            .get(cell)
+            .and_then(|cell| cell.robots.get(robot))
+            .map(Arc::clone)
+            .unwrap_or_else(|| unreachable!("a plan's legacy robot is one of its robots"));
+        Ok(Self {
+            server: plan.server,
+            cells,
+            legacy,
+            metrics,
+            clock,
+        })
+    }
+
+    pub(crate) fn cell(&self, cell: &str) -> Result<&Cell, Problem> {
+        self.cells
+            .iter()
+            .find(|known| known.id == cell)
+            .ok_or_else(|| Problem::not_found(format!("there is no cell `{}`", shown(cell))))
+    }
+
+    pub(crate) fn robot(&self, cell: &str, robot: &str) -> Result<&Arc<Robot>, Problem> {
+        self.cell(cell)?
+            .robots
+            .iter()
+            .find(|known| known.plan.id == robot)
+            .ok_or_else(|| {
+                Problem::not_found(format!(
+                    "there is no robot `{}` in cell `{cell}`",
+                    shown(robot)
+                ))
+            })
+    }
+}
+
+/// The beginning of a name from outside, safe to repeat.
+fn shown(name: &str) -> String {
+    name.chars()
+        .take(64)
+        .flat_map(char::escape_default)
+        .collect()
+}

@@ -1,0 +1,332 @@
+//! From what a caller asks for to what the wire carries: rounding, inverse kinematics, limits, singularities.
+//!
+//! The wire rounds to thousandths, so the pose that is checked is the rounded one: the one that is sent.
+
+use api::{MotionType, ProblemCode, Violation};
+use kinematics::{
+    Axis, Configuration, IkError, JointsError, LimitViolations, Obstacle, PendantJoints, Pose,
+    PoseError, Seed, Singularity, Solution, Xyzwpr,
+};
+use protocol::{CommandError, Item, MAX_SPEED, MIN_SPEED, MoveCommand, WireMove};
+use thiserror::Error;
+use units::{Degrees, MmPerSec};
+
+use crate::config::RobotPlan;
+
+/// A move that passed every check: only such a move reaches a link.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Prepared {
+    pub(crate) motion_type: MotionType,
+    pub(crate) wire: WireMove,
+    /// Where the joints are expected to end, in the configuration the controller keeps.
+    pub(crate) joints: PendantJoints,
+}
+
+/// How far the joints a caller asked for may differ from the ones the controller would choose, in degrees. The
+/// pose is rounded to thousandths on its way, which moves a joint by a few hundredths near a singularity.
+const SAME_JOINTS_DEG: f64 = 0.1;
+
+impl RobotPlan {
+    /// A move of the tool center point to a point in the user frame.
+    pub(crate) fn prepare_point(
+        &self,
+        point: &Xyzwpr,
+        speed: MmPerSec,
+    ) -> Result<Prepared, Refusal> {
+        let (wire, solution) = self.solve(point, speed)?;
+        Ok(Prepared {
+            motion_type: MotionType::Joint,
+            wire,
+            joints: solution.joints,
+        })
+    }
+
+    /// A move to joint values. The wire carries a pose, so the controller must choose the same joint values for it.
+    pub(crate) fn prepare_joints(
+        &self,
+        degrees: [f64; 6],
+        speed: MmPerSec,
+    ) -> Result<Prepared, Refusal> {
+        let joints = PendantJoints::try_from_degrees(degrees).map_err(Refusal::Joints)?;
+        self.model
+            .check_limits(&joints)
+            .map_err(Refusal::JointLimits)?;
+        let (wire, solution) = self.solve(&self.point_at(&joints).xyzwpr(), speed)?;
+        let chosen = solution.joints.degrees();
+        let same = degrees
+            .iter()
+            .zip(chosen)
+            .all(|(asked, chosen)| (asked - chosen).abs() <= SAME_JOINTS_DEG);
+        if !same {
+            return Err(Refusal::OtherBranch {
+                asked: self.model.configuration(&joints),
+                kept: self.configuration,
+                chosen: solution.joints,
+            });
+        }
+        Ok(Prepared {
+            motion_type: MotionType::Joint,
+            wire,
+            joints: solution.joints,
+        })
+    }
+
+    /// A move to the home joints of the arm model.
+    pub(crate) fn prepare_home(&self, speed: MmPerSec) -> Result<Prepared, Refusal> {
+        let home = self.model.home().degrees();
+        self.prepare_joints(home, speed).map(|prepared| Prepared {
+            motion_type: MotionType::Home,
+            ..prepared
+        })
+    }
+
+    /// The tool center point in the user frame at joint values.
+    pub(crate) fn point_at(&self, joints: &PendantJoints) -> Pose {
+        self.frames.tcp_in_user_frame(&self.model.forward(joints))
+    }
+
+    fn solve(&self, point: &Xyzwpr, speed: MmPerSec) -> Result<(WireMove, Solution), Refusal> {
+        let max = f64::from(self.max_speed);
+        // The comparison is written so that NaN is refused.
+        if !(speed.0 <= max) || speed.0 < f64::from(MIN_SPEED) || speed.0.fract() != 0.0 {
+            return Err(Refusal::Speed {
+                value: speed,
+                max: self.max_speed,
+            });
+        }
+        let wire = MoveCommand {
+            x: point.x,
+            y: point.y,
+            z: point.z,
+            w: point.w,
+            p: point.p,
+            r: point.r,
+            speed,
+        }
+        .to_wire()
+        .map_err(Refusal::Command)?;
+        let pose = Pose::try_from_xyzwpr(&sent_point(&wire)).map_err(Refusal::Pose)?;
+        let solution = self
+            .model
+            .inverse(
+                &self.frames.flange_in_world(&pose),
+                Seed::InConfiguration(self.configuration),
+            )
+            .map_err(Refusal::Kinematics)?;
+        if solution.singularity.near().next().is_some() {
+            return Err(Refusal::Singular {
+                singularity: solution.singularity,
+            });
+        }
+        Ok((wire, solution))
+    }
+}
+
+/// The point the controller will compute from the thousandths of the wire.
+pub(crate) fn sent_point(wire: &WireMove) -> Xyzwpr {
+    let MoveCommand {
+        x,
+        y,
+        z,
+        w,
+        p,
+        r,
+        speed: _,
+    } = wire.command();
+    Xyzwpr { x, y, z, w, p, r }
+}
+
+/// Why a move is not sent. Every variant is the caller's to correct.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub(crate) enum Refusal {
+    #[error("the speed is {value}, not a whole number of {MIN_SPEED} to {max} mm/s")]
+    Speed { value: MmPerSec, max: u16 },
+    #[error("{0}")]
+    Command(CommandError),
+    #[error("{0}")]
+    Pose(PoseError),
+    #[error("{0}")]
+    Joints(JointsError),
+    #[error("{0}")]
+    JointLimits(LimitViolations),
+    #[error("{0}")]
+    Kinematics(IkError),
+    #[error("the pose is at a singularity: {}", near_singularities(singularity))]
+    Singular { singularity: Singularity },
+    #[error(
+        "the wire carries a pose, and for the pose of these joints (branch {asked}) the controller, which keeps \
+         {kept}, would take {chosen}"
+    )]
+    OtherBranch {
+        asked: Configuration,
+        kept: Configuration,
+        chosen: PendantJoints,
+    },
+}
+
+fn near_singularities(singularity: &Singularity) -> String {
+    measures(singularity)
+        .into_iter()
+        .filter(|(_, measure, threshold)| measure < threshold)
+        .map(|(name, measure, threshold)| format!("{name} {measure:.4} is below {threshold}"))
+        .collect::<Vec<_>>()
+        .join(", ")
+}
+
+fn measures(singularity: &Singularity) -> [(&'static str, f64, f64); 3] {
+    [
+        ("wrist", singularity.wrist, Singularity::NEAR_WRIST),
+        ("shoulder", singularity.shoulder, Singularity::NEAR_SHOULDER),
+        ("elbow", singularity.elbow, Singularity::NEAR_ELBOW),
+    ]
+}
+
+/// What a refusal is about.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(crate) enum Concern {
+    /// The speed of the request.
+    Speed,
+    /// A number of the point: 0 is X, 5 is R.
+    Point(usize),
+    /// The request's values are legal one by one; the arm cannot do it.
+    Arm,
+}
+
+impl Refusal {
+    pub(crate) fn code(&self) -> ProblemCode {
+        match self {
+            Self::Speed { .. } | Self::Command(_) | Self::Pose(_) | Self::Joints(_) => {
+                ProblemCode::Validation
+            }
+            Self::JointLimits(_) | Self::Kinematics(IkError::JointLimit { .. }) => {
+                ProblemCode::JointLimitExceeded
+            }
+            Self::Kinematics(IkError::OutOfReach { .. }) => ProblemCode::OutOfWorkspace,
+            Self::Kinematics(IkError::NoSolutionInConfiguration { obstacle, .. }) => match obstacle
+            {
+                Obstacle::Limits(_) => ProblemCode::JointLimitExceeded,
+                Obstacle::OutOfReach => ProblemCode::NoSolutionInConfiguration,
+            },
+            Self::OtherBranch { .. } => ProblemCode::NoSolutionInConfiguration,
+            Self::Singular { .. } => ProblemCode::Singularity,
+        }
+    }
+
+    pub(crate) fn concern(&self) -> Concern {
+        match self {
+            Self::Speed { .. } => Concern::Speed,
+            Self::Command(error) => match error.item() {
+                Item::X => Concern::Point(0),
+                Item::Y => Concern::Point(1),
+                Item::Z => Concern::Point(2),
+                Item::W => Concern::Point(3),
+                Item::P => Concern::Point(4),
+                Item::R => Concern::Point(5),
+                Item::Speed | Item::Last => Concern::Speed,
+            },
+            Self::Pose(PoseError::Coordinate { name, .. } | PoseError::Angle { name, .. }) => {
+                ["x", "y", "z", "w", "p", "r"]
+                    .iter()
+                    .position(|known| known == name)
+                    .map_or(Concern::Arm, Concern::Point)
+            }
+            Self::Pose(PoseError::Rotation { .. })
+            | Self::Joints(_)
+            | Self::JointLimits(_)
+            | Self::Kinematics(_)
+            | Self::Singular { .. }
+            | Self::OtherBranch { .. } => Concern::Arm,
+        }
+    }
+
+    /// Each thing wrong, in the words of the API. `point` names the six numbers of the point.
+    pub(crate) fn violations(&self, speed: &str, point: [&str; 6]) -> Vec<Violation> {
+        let whole = |item: &str, value: Option<f64>| Violation {
+            item: item.to_owned(),
+            message: self.to_string(),
+            value,
+            ..Violation::default()
+        };
+        match self {
+            Self::Speed { value, max } => vec![Violation {
+                min: Some(f64::from(MIN_SPEED)),
+                max: Some(f64::from(*max.min(&MAX_SPEED))),
+                ..whole(speed, Some(value.0))
+            }],
+            Self::Command(_) | Self::Pose(_) => match self.concern() {
+                Concern::Point(index) => point
+                    .get(index)
+                    .map(|item| whole(item, self.value()))
+                    .into_iter()
+                    .collect(),
+                Concern::Speed | Concern::Arm => vec![whole(speed, self.value())],
+            },
+            Self::Joints(_) | Self::OtherBranch { .. } => vec![whole("target.joints", None)],
+            Self::JointLimits(violations)
+            | Self::Kinematics(IkError::JointLimit { violations, .. })
+            | Self::Kinematics(IkError::NoSolutionInConfiguration {
+                obstacle: Obstacle::Limits(violations),
+                ..
+            }) => violations.iter().map(limit_violation).collect(),
+            Self::Singular { singularity } => measures(singularity)
+                .into_iter()
+                .filter(|(_, measure, threshold)| measure < threshold)
+                .map(|(name, measure, threshold)| Violation {
+                    item: name.to_owned(),
+                    message: format!(
+                        "0 is singular, 1 is farthest from it; {threshold} is asked for"
+                    ),
+                    value: Some(measure),
+                    min: Some(threshold),
+                    max: None,
+                })
+                .collect(),
+            Self::Kinematics(
+                IkError::OutOfReach { .. } | IkError::NoSolutionInConfiguration { .. },
+            ) => Vec::new(),
+        }
+    }
+
+    fn value(&self) -> Option<f64> {
+        match self {
+            Self::Command(error) => Some(error.value()),
+            Self::Pose(PoseError::Coordinate { value, .. }) => Some(value.0),
+            Self::Pose(PoseError::Angle { value, .. }) => Some(value.0),
+            Self::Speed { value, .. } => Some(value.0),
+            Self::Pose(PoseError::Rotation { .. })
+            | Self::Joints(_)
+            | Self::JointLimits(_)
+            | Self::Kinematics(_)
+            | Self::Singular { .. }
+            | Self::OtherBranch { .. } => None,
+        }
+    }
+}
+
+fn limit_violation(violation: &kinematics::LimitViolation) -> Violation {
+    Violation {
+        item: violation.joint.to_string(),
+        message: violation.to_string(),
+        value: Some(violation.value.0),
+        min: Some(violation.limits.min.0),
+        max: Some(violation.limits.max.0),
+    }
+}
+
+/// The six margins of joint values, J1 first.
+pub(crate) fn margins(plan: &RobotPlan, joints: &PendantJoints) -> Vec<api::JointMargin> {
+    Axis::ALL
+        .into_iter()
+        .map(|axis| {
+            let limits = plan.model.limits(axis);
+            let value: Degrees = joints.of(axis);
+            api::JointMargin {
+                joint: axis.to_string(),
+                value_deg: value.0,
+                min_deg: limits.min.0,
+                max_deg: limits.max.0,
+                margin_deg: limits.margin(value).0,
+            }
+        })
+        .collect()
+}

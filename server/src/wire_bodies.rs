@@ -1,0 +1,58 @@
+//! Between the API's bodies and the types inside.
+
+use api::{LegacyPoint, PoseBody, SingularityBody};
+use kinematics::{Singularity, Xyzwpr};
+use units::{Degrees, Millimeters};
+
+pub(crate) fn pose_body(point: &Xyzwpr) -> PoseBody {
+    PoseBody {
+        x_mm: point.x.0,
+        y_mm: point.y.0,
+        z_mm: point.z.0,
+        w_deg: point.w.0,
+        p_deg: point.p.0,
+        r_deg: point.r.0,
+    }
+}
+
+pub(crate) fn point_of(body: &PoseBody) -> Xyzwpr {
+    Xyzwpr {
+        x: Millimeters(body.x_mm),
+        y: Millimeters(body.y_mm),
+        z: Millimeters(body.z_mm),
+        w: Degrees(body.w_deg),
+        p: Degrees(body.p_deg),
+        r: Degrees(body.r_deg),
+    }
+}
+
+pub(crate) fn legacy_point(point: &Xyzwpr) -> LegacyPoint {
+    LegacyPoint {
+        x: point.x.0,
+        y: point.y.0,
+        z: point.z.0,
+        w: point.w.0,
+        p: point.p.0,
+        r: point.r.0,
+    }
+}
+
+pub(crate) fn point_of_legacy(body: &LegacyPoint) -> Xyzwpr {
+    Xyzwpr {
+        x: Millimeters(body.x),
+        y: Millimeters(body.y),
+        z: Millimeters(body.z),
+        w: Degrees(body.w),
+        p: Degrees(body.p),
+        r: Degrees(body.r),
+    }
+}
+
+pub(crate) fn singularity_body(singularity: &Singularity) -> SingularityBody {
+    SingularityBody {
+        wrist: singularity.wrist,
+        shoulder: singularity.shoulder,
+        elbow: singularity.elbow,
+        singular: singularity.near().next().is_some(),
+    }
+}

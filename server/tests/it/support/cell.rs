@@ -1,0 +1,82 @@
+use std::net::SocketAddr;
+use std::sync::Arc;
+
+use server::config::{CellSection, RobotSection, ServerSection};
+use server::{Connector, Plan, Seams, ServeError, SystemClock, TcpConnector};
+use tokio::net::TcpListener;
+use tokio::task::JoinHandle;
+use tokio_util::sync::CancellationToken;
+
+use super::client::{self, HttpReply};
+use super::robot::FakeRobot;
+
+pub(crate) const MODEL: &str = "fanuc-m20ia";
+
+/// A robot `r1` whose controller is at an address.
+pub(crate) fn robot_section(controller: SocketAddr) -> RobotSection {
+    RobotSection::new("r1", MODEL, controller.to_string())
+}
+
+/// A server on a free port with the cell `c1` and the robot `r1`.
+pub(crate) struct TestServer {
+    pub(crate) address: SocketAddr,
+    pub(crate) stop: CancellationToken,
+    pub(crate) task: JoinHandle<Result<(), ServeError>>,
+}
+
+impl TestServer {
+    /// With everything at its default.
+    pub(crate) async fn start(robot: &FakeRobot) -> Self {
+        Self::with_robot(robot_section(robot.address)).await
+    }
+
+    pub(crate) async fn with_robot(robot: RobotSection) -> Self {
+        Self::with(ServerSection::default(), robot, TcpConnector::default()).await
+    }
+
+    pub(crate) async fn with<C: Connector>(
+        section: ServerSection,
+        robot: RobotSection,
+        connector: C,
+    ) -> Self {
+        let cell = CellSection {
+            id: "c1".to_owned(),
+            name: None,
+            robots: vec![robot],
+        };
+        let plan = Plan::try_new(&section, &[cell]).unwrap();
+        let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+        let address = listener.local_addr().unwrap();
+        let stop = CancellationToken::new();
+        let seams = Seams {
+            connector,
+            clock: Arc::new(SystemClock),
+        };
+        let task = tokio::spawn(server::run(listener, plan, seams, stop.clone()));
+        Self {
+            address,
+            stop,
+            task,
+        }
+    }
+
+    pub(crate) async fn get(&self, path: &str) -> HttpReply {
+        client::request(self.address, "GET", path, &[], "").await
+    }
+
+    /// Posts JSON.
+    pub(crate) async fn post(&self, path: &str, body: &str) -> HttpReply {
+        let headers = [("content-type", "application/json")];
+        client::request(self.address, "POST", path, &headers, body).await
+    }
+
+    pub(crate) async fn request(
+        &self,
+        method: &str,
+        path: &str,
+        headers: &[(&str, &str)],
+        body: &str,
+    ) -> HttpReply {
+        client::request(self.address, method, path, headers, body).await
+    }
+}

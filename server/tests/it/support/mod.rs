@@ -1,0 +1,23 @@
+//! A server on a free port, robots that follow a script, and a client that speaks plain HTTP.
+
+mod cell;
+mod client;
+mod robot;
+
+pub(crate) use cell::{MODEL, TestServer, robot_section};
+pub(crate) use client::HttpReply;
+pub(crate) use robot::{Act, FakeRobot};
+
+use std::time::{Duration, Instant};
+
+/// Asks until `condition` is true.
+pub(crate) async fn wait_until(what: &str, mut condition: impl FnMut() -> bool) {
+    let started = Instant::now();
+    while !condition() {
+        assert!(
+            started.elapsed() < Duration::from_secs(10),
+            "timed out waiting until {what}"
+        );
+        tokio::task::yield_now().await;
+    }
+}
