@@ -1,10 +1,11 @@
 //! From the configuration to running parts, and back down in order.
 
 use std::net::SocketAddr;
+use std::sync::Arc;
 
 use anyhow::{Context as _, Result};
 use karel_emulator::PeerLabels;
-use server::{Plan, Seams, TcpConnector};
+use server::{Plan, Seams, SystemClock, TcpConnector};
 use tokio::net::TcpListener;
 use tokio::signal::unix::{SignalKind, signal};
 use tokio_util::sync::CancellationToken;
@@ -66,7 +67,7 @@ async fn run(loaded: Loaded) -> Result<()> {
     banner::print(listener.local_addr()?, &file, &controllers)?;
     let connector =
         TcpConnector::with_label(move |peer, request_id| labels.set(peer, request_id));
-    server::run(listener, plan, Seams::new(connector), stop).await?;
+    server::run(listener, plan, Seams { connector, clock: Arc::new(SystemClock) }, stop).await?;
     for Running { controller, .. } in controllers {
         controller.shutdown().await;
     }

@@ -1,10 +1,11 @@
 //! The server as shipped, in front of trivial robots.
 
 use std::net::Ipv4Addr;
+use std::sync::Arc;
 
 use anyhow::Result;
 use server::config::{CellSection, RobotSection, ServerSection};
-use server::{Plan, Seams, TcpConnector};
+use server::{Plan, Seams, SystemClock, TcpConnector};
 use tokio::net::TcpListener;
 use tokio_util::sync::CancellationToken;
 
@@ -29,7 +30,7 @@ pub(crate) async fn run(first_port: u16, robots: usize) -> Result<()> {
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).await?;
     let port = listener.local_addr()?.port();
     let stop = CancellationToken::new();
-    let seams = Seams::new(TcpConnector::default());
+    let seams = Seams { connector: TcpConnector::default(), clock: Arc::new(SystemClock) };
     let served = tokio::spawn(server::run(listener, plan, seams, stop.clone()));
     processes::announce_and_wait(port).await?;
     stop.cancel();
