@@ -13,7 +13,7 @@ use crate::clock::WallClock;
 use crate::config::RobotPlan;
 use crate::request_id::RequestId;
 use crate::target::{Prepared, sent_point};
-use crate::wire_bodies::pose_body;
+use crate::wire_bodies::{joints_body, pose_body};
 
 /// How many motions a robot remembers.
 pub(crate) const CAPACITY: usize = 1_000;
@@ -209,7 +209,7 @@ impl Record {
             completion: api::Completion::NotObservable,
             tier: plan.tier,
             target: pose_body(&sent_point(&self.prepared.wire)),
-            expected_joints: self.prepared.joints.degrees().into(),
+            expected_joints: joints_body(&self.prepared.joints),
             speed_mm_s: self.prepared.wire.command().speed.0,
             created_at: self.created_at,
             ended_at,

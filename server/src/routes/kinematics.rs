@@ -19,7 +19,7 @@ use crate::config::RobotPlan;
 use crate::extract::JsonBody;
 use crate::problem::Problem;
 use crate::target::{Refusal, margins};
-use crate::wire_bodies::{point_of, pose_body, singularity_body};
+use crate::wire_bodies::{joints_body, point_of, pose_body, shown, singularity_body};
 
 const POSE: [&str; 6] = [
     "pose.x_mm",
@@ -164,11 +164,11 @@ fn squares(near: &PendantJoints, solution: &Solution) -> f64 {
 
 fn branch_body(plan: &RobotPlan, near: &PendantJoints, solution: &Solution) -> BranchBody {
     BranchBody {
-        joints: solution.joints.degrees().into(),
+        joints: joints_body(&solution.joints),
         configuration: solution.configuration.to_string(),
         within_limits: solution.within_limits(),
         margins: margins(plan, &solution.joints),
         singularity: singularity_body(&solution.singularity),
-        distance_deg: differences(near, solution).fold(0.0, f64::max),
+        distance_deg: shown(differences(near, solution).fold(0.0, f64::max)),
     }
 }
