@@ -5,15 +5,17 @@ use std::panic::AssertUnwindSafe;
 use std::pin::pin;
 use std::sync::Arc;
 use std::task::Poll;
+use std::time::Duration;
 
 use api::{Outcome, ProblemCode};
 use axum::extract::{MatchedPath, Request, State};
 use axum::http::{HeaderValue, Method, StatusCode, header};
 use axum::middleware::Next;
-use axum::response::Response;
+use axum::response::{IntoResponse as _, Response};
 use tokio::time::{Instant, timeout};
 use tracing::Instrument as _;
 
+use crate::guard;
 use crate::problem::Problem;
 use crate::request_id::{self, RequestId};
 use crate::state::App;
@@ -32,20 +34,17 @@ pub(crate) async fn edge(
     let span =
         tracing::info_span!("request", request_id = &*request_id, %method, path = uri.path());
 
-    let handled = catch_panic(next.run(request)).instrument(span.clone());
-    let mut response = match timeout(app.server.request_timeout, handled).await {
-        Ok(Some(response)) => response,
-        Ok(None) => problem_response(internal(&method)),
-        Err(_) => problem_response(
-            Problem::new(
-                ProblemCode::RequestTimeout,
-                format!(
-                    "the request was not answered within {} ms",
-                    app.server.request_timeout.as_millis()
-                ),
-            )
-            .outcome(outcome_after(&method)),
-        ),
+    let limit = app.server.request_timeout;
+    let mut response = match guard::check(&method, request.headers(), &app.server.allowed_hosts) {
+        Ok(()) => {
+            let handled = catch_panic(next.run(request)).instrument(span.clone());
+            match timeout(limit, handled).await {
+                Ok(Some(response)) => response,
+                Ok(None) => internal(&method).into_response(),
+                Err(_) => too_long(&method, limit).into_response(),
+            }
+        }
+        Err(problem) => problem.into_response(),
     };
     if let Some(problem) = response.extensions_mut().remove::<Problem>() {
         response = problem.into_answer(uri.path(), &request_id);
@@ -89,9 +88,12 @@ async fn catch_panic(handled: impl Future<Output = Response>) -> Option<Response
     .await
 }
 
-fn problem_response(problem: Problem) -> Response {
-    use axum::response::IntoResponse as _;
-    problem.into_response()
+fn too_long(method: &Method, limit: Duration) -> Problem {
+    let detail = format!(
+        "the request was not answered within {} ms",
+        limit.as_millis()
+    );
+    Problem::new(ProblemCode::RequestTimeout, detail).outcome(outcome_after(method))
 }
 
 fn internal(method: &Method) -> Problem {

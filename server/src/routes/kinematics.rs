@@ -14,7 +14,7 @@ use axum::Json;
 use kinematics::{PendantJoints, Pose, Seed, Solution};
 
 use super::params::RobotOf;
-use super::responses::{AnyProblem, BodyProblem, InvalidJson, NotFound};
+use super::responses::{AnyProblem, BodyProblem, CrossSite, InvalidJson, NotFound};
 use crate::config::RobotPlan;
 use crate::extract::JsonBody;
 use crate::problem::Problem;
@@ -43,7 +43,7 @@ const POSE: [&str; 6] = [
     responses(
         (status = 200, description = "The pose.", body = ForwardResult),
         (status = 422, description = "`validation`: the body does not fit.", body = api::Problem, content_type = "application/problem+json"),
-        InvalidJson, NotFound, BodyProblem, AnyProblem,
+        CrossSite, InvalidJson, NotFound, BodyProblem, AnyProblem,
     ),
 )]
 pub(super) async fn forward(
@@ -76,7 +76,7 @@ pub(super) async fn forward(
         (status = 200, description = "The branches.", body = InverseResult),
         (status = 422, description = "`validation`: the body does not fit. `out-of-workspace`, `joint-limit-exceeded`: no joint set, or none inside the limits.",
             body = api::Problem, content_type = "application/problem+json"),
-        InvalidJson, NotFound, BodyProblem, AnyProblem,
+        CrossSite, InvalidJson, NotFound, BodyProblem, AnyProblem,
     ),
 )]
 pub(super) async fn inverse(

@@ -107,6 +107,11 @@ fn a_value_that_does_not_fit_is_named_by_its_key_with_its_limit() {
             "server.listen: `localhost` is not `address:port`",
         ),
         (
+            "127.0.0.1:8080",
+            "0.0.0.0:8080",
+            "server.listen: other machines reach 0.0.0.0:8080",
+        ),
+        (
             "c1/r2",
             "c1/r3",
             "server.legacy_robot: `c1/r3` is none of the robots: c1/r1, c1/r2",

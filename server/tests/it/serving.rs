@@ -38,11 +38,11 @@ async fn a_request_whose_head_or_body_does_not_arrive_is_closed() {
         ..ServerSection::default()
     };
     let server = with(section, &robot).await;
-    for beginning in ["", "P", "POST /fanuc/move HTTP/1.1\r\nhost: c\r\n"] {
+    for beginning in ["", "P", "POST /fanuc/move HTTP/1.1\r\nhost: localhost\r\n"] {
         let said = until_closed(&server, beginning).await;
         assert!(!said.contains("200 OK"), "{said}");
     }
-    let head = "POST /fanuc/move HTTP/1.1\r\nhost: c\r\ncontent-type: application/json\r\ncontent-length: 100\r\n\r\n";
+    let head = "POST /fanuc/move HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\ncontent-length: 100\r\n\r\n";
     let said = until_closed(&server, &format!("{head}{{\"x\": 1")).await;
     assert!(said.starts_with("HTTP/1.1 408"), "{said}");
     assert!(said.contains("request-timeout"), "{said}");
@@ -69,7 +69,7 @@ async fn a_request_with_too_large_a_head_or_too_many_headers_is_refused() {
 async fn a_request_that_could_be_read_two_ways_is_refused() {
     let robot = FakeRobot::accepting().await;
     let server = TestServer::start(&robot).await;
-    let smuggled = "POST /fanuc/home HTTP/1.1\r\nhost: c\r\ncontent-length: 4\r\ncontent-length: 40\r\n\r\nabcd";
+    let smuggled = "POST /fanuc/home HTTP/1.1\r\nhost: localhost\r\ncontent-length: 4\r\ncontent-length: 40\r\n\r\nabcd";
     let said = until_closed(&server, smuggled).await;
     assert!(said.starts_with("HTTP/1.1 400"), "{said}");
     robot.assert_untouched();
@@ -85,7 +85,7 @@ async fn connections_beyond_the_limit_wait() {
     let server = Arc::new(with(section, &robot).await);
     let mut first = TcpStream::connect(server.address).await.unwrap();
     first
-        .write_all(b"GET /livez HTTP/1.1\r\nhost: c\r\n\r\n")
+        .write_all(b"GET /livez HTTP/1.1\r\nhost: localhost\r\n\r\n")
         .await
         .unwrap();
     let mut answer = [0; 12];
@@ -108,8 +108,8 @@ async fn connections_beyond_the_limit_wait() {
 async fn one_connection_serves_many_requests() {
     let robot = FakeRobot::accepting().await;
     let server = TestServer::start(&robot).await;
-    let get = "GET /livez HTTP/1.1\r\nhost: c\r\n\r\n";
-    let last = "GET /livez HTTP/1.1\r\nhost: c\r\nconnection: close\r\n\r\n";
+    let get = "GET /livez HTTP/1.1\r\nhost: localhost\r\n\r\n";
+    let last = "GET /livez HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\n\r\n";
     let said = until_closed(&server, &format!("{get}{get}{last}")).await;
     assert_eq!(said.matches("HTTP/1.1 200 OK").count(), 3);
 }
@@ -154,7 +154,7 @@ async fn a_stopping_server_does_not_wait_for_ever() {
     };
     let server = TestServer::with(section, plan, TcpConnector::default()).await;
     let mut stream = TcpStream::connect(server.address).await.unwrap();
-    let request = "POST /fanuc/home HTTP/1.1\r\nhost: c\r\n\r\n";
+    let request = "POST /fanuc/home HTTP/1.1\r\nhost: localhost\r\n\r\n";
     stream.write_all(request.as_bytes()).await.unwrap();
     wait_until("the command is with the robot", || {
         robot.commands().len() == 1
@@ -162,4 +162,23 @@ async fn a_stopping_server_does_not_wait_for_ever() {
     .await;
     server.stop.cancel();
     server.task.await.unwrap().unwrap();
+}
+
+#[tokio::test]
+async fn a_web_page_from_elsewhere_cannot_send_the_robot_home() {
+    let robot = FakeRobot::accepting().await;
+    let server = TestServer::start(&robot).await;
+    let page = [
+        ("origin", "http://evil.example"),
+        ("content-type", "text/plain"),
+    ];
+    let reply = server.request("POST", "/fanuc/home", &page, "").await;
+    let _problem = reply.problem(403, "cross-site-request", "NOT_SENT");
+    let said = until_closed(
+        &server,
+        "GET /livez HTTP/1.1\r\nhost: evil.example\r\nconnection: close\r\n\r\n",
+    )
+    .await;
+    assert!(said.starts_with("HTTP/1.1 421"), "{said}");
+    robot.assert_untouched();
 }
