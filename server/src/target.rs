@@ -12,6 +12,7 @@ use thiserror::Error;
 use units::{Degrees, MmPerSec};
 
 use crate::config::RobotPlan;
+use crate::wire_bodies::shown;
 
 /// A move that passed every check: only such a move reaches a link.
 #[derive(Clone, Copy, Debug)]
@@ -86,9 +87,8 @@ impl RobotPlan {
     }
 
     fn solve(&self, point: &Xyzwpr, speed: MmPerSec) -> Result<(WireMove, Solution), Refusal> {
-        let max = f64::from(self.max_speed);
-        // The comparison is written so that NaN is refused.
-        if !(speed.0 <= max) || speed.0 < f64::from(MIN_SPEED) || speed.0.fract() != 0.0 {
+        let range = f64::from(MIN_SPEED)..=f64::from(self.max_speed);
+        if !range.contains(&speed.0) || speed.0.fract() != 0.0 {
             return Err(Refusal::Speed {
                 value: speed,
                 max: self.max_speed,
@@ -263,11 +263,13 @@ impl Refusal {
             },
             Self::Joints(_) | Self::OtherBranch { .. } => vec![whole("target.joints", None)],
             Self::JointLimits(violations)
-            | Self::Kinematics(IkError::JointLimit { violations, .. })
-            | Self::Kinematics(IkError::NoSolutionInConfiguration {
-                obstacle: Obstacle::Limits(violations),
-                ..
-            }) => violations.iter().map(limit_violation).collect(),
+            | Self::Kinematics(
+                IkError::JointLimit { violations, .. }
+                | IkError::NoSolutionInConfiguration {
+                    obstacle: Obstacle::Limits(violations),
+                    ..
+                },
+            ) => violations.iter().map(limit_violation).collect(),
             Self::Singular { singularity } => measures(singularity)
                 .into_iter()
                 .filter(|(_, measure, threshold)| measure < threshold)
@@ -307,7 +309,7 @@ fn limit_violation(violation: &kinematics::LimitViolation) -> Violation {
     Violation {
         item: violation.joint.to_string(),
         message: violation.to_string(),
-        value: Some(violation.value.0),
+        value: Some(shown(violation.value.0)),
         min: Some(violation.limits.min.0),
         max: Some(violation.limits.max.0),
     }
@@ -322,10 +324,10 @@ pub(crate) fn margins(plan: &RobotPlan, joints: &PendantJoints) -> Vec<api::Join
             let value: Degrees = joints.of(axis);
             api::JointMargin {
                 joint: axis.to_string(),
-                value_deg: value.0,
+                value_deg: shown(value.0),
                 min_deg: limits.min.0,
                 max_deg: limits.max.0,
-                margin_deg: limits.margin(value).0,
+                margin_deg: shown(limits.margin(value).0),
             }
         })
         .collect()
