@@ -10,7 +10,7 @@ use nalgebra::{Matrix3, Vector3};
 use units::Millimeters;
 
 use crate::branches::Branches;
-use crate::checked::{Candidates, push_checked};
+use crate::checked::{Postures, Wrists, both, push_checked};
 use crate::geometry::Geometry;
 use crate::ik_error::{IkError, ReachBound};
 use crate::joints::PendantJoints;
@@ -32,6 +32,22 @@ pub(crate) fn branches(
     X_WF: &Pose,
     reference: &PendantJoints,
 ) -> Result<Branches, IkError> {
+    // Filled where it is returned: a kilobyte is not copied for nothing.
+    let mut found = Ok(Branches::new());
+    if let Ok(branches) = &mut found
+        && let Err(error) = collect(model, X_WF, reference, branches)
+    {
+        found = Err(error);
+    }
+    found
+}
+
+fn collect(
+    model: &ArmModel,
+    X_WF: &Pose,
+    reference: &PendantJoints,
+    branches: &mut Branches,
+) -> Result<(), IkError> {
     let g = &model.geometry;
     let R_WF = X_WF.rotation_matrix();
     let p_WC = X_WF.isometry().translation.vector - g.d6 * R_WF.column(2);
@@ -42,38 +58,36 @@ pub(crate) fn branches(
     let elbow = Elbow::of(g, &base, p_WC.z, free_q2);
     let wrist = Wrist::of(model, &base, &elbow, &R_WF, near);
 
-    let mut branches = Branches::new();
-    let [q1, q2, q23] = [base.q1, elbow.q2, elbow.q23].map(|(sine, cosine)| atan2(sine, cosine));
-    let [q4, q5, q6] = [wrist.q4, wrist.q5, wrist.q6].map(|(sine, cosine)| atan2(sine, cosine));
+    let (q1, q2, q23) = (angle(base.q1), angle(elbow.q2), angle(elbow.q23));
+    let (q4, q5, q6) = (angle(wrist.q4), angle(wrist.q5), angle(wrist.q6));
     let wanted = both(base.wanted, elbow.wanted);
     let (sin_q5, _) = wrist.q5;
-    let no_flip = Candidates {
-        chain: [q1, q2, q23 - q2, q4, q5, q6],
+    let no_flip = Wrists {
+        wrist: [q4, q5, q6],
         sin_q5,
-        front: base.front,
-        elbow: elbow.bend,
         wanted,
     };
-    let flip = Candidates {
-        chain: [q1, q2, q23 - q2, q4 + PI, -q5, q6 + PI],
+    let flip = Wrists {
+        wrist: [q4 + PI, -q5, q6 + PI],
         sin_q5: -sin_q5,
         wanted: both(wanted, wrist.has_flip),
-        ..no_flip
     };
-    push_checked(model, X_WF, &no_flip, &mut branches);
-    push_checked(model, X_WF, &flip, &mut branches);
+    let postures = Postures {
+        arm: [q1, q2, q23 - q2],
+        front: base.front,
+        elbow: elbow.bend,
+    };
+    push_checked(model, X_WF, &postures, [no_flip, flip], branches);
     if branches.is_empty() {
         Err(out_of_reach(g, &base, p_WC.z))
     } else {
-        Ok(branches)
+        Ok(())
     }
 }
 
-fn both(mut these: [bool; 4], those: [bool; 4]) -> [bool; 4] {
-    for (this, that) in these.iter_mut().zip(those) {
-        *this &= that;
-    }
-    these
+#[inline]
+fn angle((sine, cosine): Turn) -> Lanes<4> {
+    atan2(sine, cosine)
 }
 
 /// q1, and how far the wrist center is in front of axis 1.
