@@ -42,13 +42,13 @@ pub(crate) fn push_checked(
     model: &ArmModel,
     X_WF: &Pose,
     postures: &Postures,
-    wrists: [Wrists; 2],
+    wrists: &[Wrists; 2],
     branches: &mut Branches,
 ) {
     let g = &model.geometry;
     let [q1, q2, q3] = postures.arm;
     let mut checked_arm = None;
-    for Wrists {
+    for &Wrists {
         wrist: [q4, q5, q6],
         sin_q5,
         wanted,

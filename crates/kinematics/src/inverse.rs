@@ -13,7 +13,7 @@ use crate::branches::Branches;
 use crate::checked::{Postures, Wrists, both, push_checked};
 use crate::geometry::Geometry;
 use crate::ik_error::{IkError, ReachBound};
-use crate::joints::PendantJoints;
+use crate::joints::{Axis, PendantJoints};
 use crate::lanes::Lanes;
 use crate::model::ArmModel;
 use crate::pose::Pose;
@@ -77,7 +77,7 @@ fn collect(
         front: base.front,
         elbow: elbow.bend,
     };
-    push_checked(model, X_WF, &postures, [no_flip, flip], branches);
+    push_checked(model, X_WF, &postures, &[no_flip, flip], branches);
     if branches.is_empty() {
         Err(out_of_reach(g, &base, p_WC.z))
     } else {
@@ -171,18 +171,14 @@ impl Elbow {
             bend * per_distance * (g.s1 * g.forearm),
             (distance * distance + (g.a2 - g.forearm) * longest) * per_distance * (0.5 / g.a2),
         );
-        if distance.0.contains(&0.0) {
-            // The arm folded onto its shoulder: every q2 will do.
+        let folded = distance.0.map(|distance| distance == 0.0);
+        if folded != [false; 4] {
+            // The arm is folded onto its shoulder, and every q2 will do.
             let (s2, c2) = free_q2.sin_cos();
-            let folded = distance.map(|distance| if distance == 0.0 { 1.0 } else { 0.0 });
-            let or = |this: Lanes<4>, that: f64| {
-                this.zip(
-                    folded,
-                    |value, folded| if folded == 1.0 { that } else { value },
-                )
-            };
-            direction = (or(direction.0, s2), or(direction.1, c2));
-            shoulder = (or(shoulder.0, 0.0), or(shoulder.1, 1.0));
+            direction.0 = direction.0.replaced(folded, Lanes::all(s2));
+            direction.1 = direction.1.replaced(folded, Lanes::all(c2));
+            shoulder.0 = shoulder.0.replaced(folded, Lanes::all(0.0));
+            shoulder.1 = shoulder.1.replaced(folded, Lanes::all(1.0));
         }
         let q2 = (
             direction.0 * shoulder.1 + direction.1 * shoulder.0,
@@ -243,34 +239,28 @@ impl Wrist {
         let sine = (x * x + y * y).sqrt();
         let scale = sine.recip() * (model.no_flip_sign * g.s5);
         let mut q4 = (y * scale, x * scale);
-        let has_flip = sine.0.map(|sine| sine >= Posture::SINGULAR_WRIST);
-        if has_flip != [true; 4] {
-            let shared = share(g, rotation, near);
-            let or = |value: Lanes<4>, shared: Lanes<4>| {
-                let mut chosen = value;
-                for ((chosen, shared), regular) in chosen.0.iter_mut().zip(shared.0).zip(has_flip) {
-                    if !regular {
-                        *chosen = shared;
-                    }
-                }
-                chosen
-            };
-            q4 = (or(q4.0, shared.0), or(q4.1, shared.1));
+        let in_line = sine.0.map(|sine| sine < Posture::SINGULAR_WRIST);
+        if in_line != [false; 4] {
+            let shared = share(model, &rotation, near);
+            q4 = (
+                q4.0.replaced(in_line, shared.0),
+                q4.1.replaced(in_line, shared.1),
+            );
         }
-        let (q5, q6) = rest_of_wrist(g, rotation, q4);
+        let (q5, q6) = rest_of_wrist(g, &rotation, q4);
         Self {
             q4,
             q5,
             q6,
-            has_flip,
+            has_flip: in_line.map(|in_line| !in_line),
         }
     }
 }
 
 /// q5 and q6 at a given q4: what is left of the wrist's rotation, so that an error of q4 is made good by q6.
 #[inline]
-fn rest_of_wrist(g: &Geometry, columns: [[Lanes<4>; 3]; 3], (s4, c4): Turn) -> (Turn, Turn) {
-    let [[x1, y1, _], [x2, y2, _], [x3, y3, z3]] = columns;
+fn rest_of_wrist(g: &Geometry, columns: &[[Lanes<4>; 3]; 3], (s4, c4): Turn) -> (Turn, Turn) {
+    let [[x1, y1, _], [x2, y2, _], [x3, y3, z3]] = *columns;
     let t = -g.s4 * g.s5;
     (
         ((c4 * x3 + s4 * y3) * g.s5, z3 * t),
@@ -279,17 +269,22 @@ fn rest_of_wrist(g: &Geometry, columns: [[Lanes<4>; 3]; 3], (s4, c4): Turn) -> (
 }
 
 /// q4 with axes 4 and 6 in line: only their sum, or difference, is determined, and the way from `near` is shared out
-/// evenly.
+/// evenly, as far as J4's limits allow.
 #[cold]
-fn share(g: &Geometry, columns: [[Lanes<4>; 3]; 3], near: [f64; 6]) -> Turn {
+fn share(model: &ArmModel, columns: &[[Lanes<4>; 3]; 3], near: [f64; 6]) -> Turn {
     let [.., q4, _, q6] = near;
     let (sine, cosine) = q4.sin_cos();
-    let (_, at_q4) = rest_of_wrist(g, columns, (Lanes::all(sine), Lanes::all(cosine)));
-    let way = atan2(at_q4.0, at_q4.1) - q6;
-    let [_, _, [.., along]] = columns;
+    let at_q4 = (Lanes::all(sine), Lanes::all(cosine));
+    let (_, rest) = rest_of_wrist(&model.geometry, columns, at_q4);
+    let way = angle(rest) - q6;
+    let [_, _, [.., along]] = *columns;
+    let limits = model.limits(Axis::J4);
+    let (a, b) = (model.coupling.q4(limits.min), model.coupling.q4(limits.max));
+    let (low, high) = (a.min(b), a.max(b));
     // q6 counts in the direction in which axis 6 points along axis 4.
     let turned = way.zip(along, |way, along| {
-        q4 + along.signum() * (way - TAU * (way / TAU).round()) / 2.0
+        let half = (way - TAU * (way / TAU).round()) / 2.0;
+        (q4 + along.signum() * half).clamp(low, high)
     });
     (turned.map(f64::sin), turned.map(f64::cos))
 }

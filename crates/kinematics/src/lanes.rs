@@ -38,6 +38,17 @@ impl<const N: usize> Lanes<N> {
         self
     }
 
+    /// With the lanes that are `which` taken from `other`.
+    #[inline]
+    pub(crate) fn replaced(mut self, which: [bool; N], other: Self) -> Self {
+        for ((lane, which), other) in self.0.iter_mut().zip(which).zip(other.0) {
+            if which {
+                *lane = other;
+            }
+        }
+        self
+    }
+
     #[inline]
     pub(crate) fn sqrt(self) -> Self {
         self.map(f64::sqrt)
