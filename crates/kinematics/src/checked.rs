@@ -133,7 +133,8 @@ fn on_shown_turns(model: &ArmModel, joints: [Lanes<4>; 6]) -> [Lanes<4>; 6] {
     let mut shown = joints;
     for (joint, middle) in shown.iter_mut().zip(model.shown_middles) {
         let turns = (*joint - middle) * (1.0 / TAU) + ROUND - ROUND;
-        *joint = *joint - turns * TAU;
+        // The last term turns a negative zero into zero.
+        *joint = *joint - turns * TAU + 0.0;
     }
     shown
 }

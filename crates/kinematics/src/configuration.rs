@@ -110,7 +110,7 @@ pub(crate) fn turns_of(joints: &PendantJoints) -> [i8; 3] {
 impl Configuration {
     /// The same branch, whatever the turns?
     #[must_use]
-    pub fn same_branch(&self, other: &Configuration) -> bool {
+    pub fn same_branch(self, other: Configuration) -> bool {
         (self.flip, self.elbow, self.front) == (other.flip, other.elbow, other.front)
     }
 }

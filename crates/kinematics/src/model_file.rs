@@ -37,6 +37,18 @@ pub enum ModelError {
         /// The highest legal value.
         max: f64,
     },
+    /// A speed or an acceleration that no axis has.
+    #[error("{axis}: {key} is {value}; it must be above 0 and not above {max}")]
+    Positive {
+        /// The joint.
+        axis: Axis,
+        /// The key in the file.
+        key: &'static str,
+        /// What was given.
+        value: f64,
+        /// The highest legal value.
+        max: f64,
+    },
     /// A sign that is not 1 or -1, or a coupling that is not -1, 0 or 1.
     #[error("{axis}: {key} is {value}; it must be {wanted}")]
     Choice {
@@ -231,6 +243,18 @@ fn check(axis: Axis, entry: &JointEntry) -> Result<Joint, ModelError> {
         }
         Ok(value)
     };
+    let positive = |key, value: f64, max: f64| {
+        if value > 0.0 && value <= max {
+            Ok(value)
+        } else {
+            Err(ModelError::Positive {
+                axis,
+                key,
+                value,
+                max,
+            })
+        }
+    };
     let length = |key, value| in_range(key, value, -MAX_LENGTH_MM, MAX_LENGTH_MM);
     let angle = |key, value| in_range(key, value, -MAX_ANGLE_DEG, MAX_ANGLE_DEG);
     let choice = |key, value: i8, legal: &[i8], wanted| {
@@ -275,16 +299,14 @@ fn check(axis: Axis, entry: &JointEntry) -> Result<Joint, ModelError> {
         offset: angle("offset_deg", entry.offset_deg)?.to_radians(),
         j2_coupling: choice("j2_coupling", entry.j2_coupling, couplings, wanted)?,
         limits,
-        max_speed: DegPerSec(in_range(
+        max_speed: DegPerSec(positive(
             "max_speed_deg_s",
             entry.max_speed_deg_s,
-            f64::MIN_POSITIVE,
             MAX_SPEED_DEG_S,
         )?),
-        max_acceleration: DegPerSec2(in_range(
+        max_acceleration: DegPerSec2(positive(
             "max_acceleration_deg_s2",
             entry.max_acceleration_deg_s2,
-            f64::MIN_POSITIVE,
             10.0 * MAX_SPEED_DEG_S,
         )?),
         home,

@@ -1,5 +1,7 @@
 //! Choosing one joint set among the branches.
 
+use units::Degrees;
+
 use crate::branches::{Branches, Solution};
 use crate::configuration::{Configuration, has_turn, turns_of};
 use crate::ik_error::{IkError, Obstacle};
@@ -22,6 +24,8 @@ pub enum Seed {
 
 /// A whole turn; joint values are shown in degrees.
 const TURN: f64 = 360.0;
+/// Excesses closer than this are the same.
+const SAME_DEG: f64 = 1e-6;
 
 pub(crate) fn select(model: &ArmModel, X_WF: &Pose, seed: Seed) -> Result<Solution, IkError> {
     match seed {
@@ -147,15 +151,24 @@ fn is_in_branch(solution: &Solution, wanted: Configuration) -> bool {
 fn on_wanted_turns(model: &ArmModel, solution: &Solution, wanted: Configuration) -> Solution {
     let [j1, j2, j3, j4, j5, j6] = solution.joints.degrees();
     let [t4, t5, t6] = wanted.turns;
-    let turned = |value: f64, turn: i8| {
+    let turned = |axis: Axis, value: f64, turn: i8| {
         let straight = value + TURN * f64::from(turn);
+        let margin = |degrees: &f64| model.limits(axis).margin(Degrees(*degrees)).0;
         // Within rounding of half a turn the next turn may be meant.
-        let near = [straight, straight - TURN, straight + TURN];
-        near.into_iter()
-            .find(|degrees| has_turn(*degrees, turn))
+        [straight, straight - TURN, straight + TURN]
+            .into_iter()
+            .filter(|degrees| has_turn(*degrees, turn))
+            .max_by(|a, b| margin(a).total_cmp(&margin(b)))
             .unwrap_or(straight)
     };
-    let degrees = [j1, j2, j3, turned(j4, t4), turned(j5, t5), turned(j6, t6)];
+    let degrees = [
+        j1,
+        j2,
+        j3,
+        turned(Axis::J4, j4, t4),
+        turned(Axis::J5, j5, t5),
+        turned(Axis::J6, j6, t6),
+    ];
     Solution {
         configuration: wanted,
         ..on_turns(model, solution, degrees)
@@ -167,11 +180,34 @@ fn joint_limit(model: &ArmModel, branches: &Branches) -> IkError {
     let best = branches
         .iter()
         .map(|solution| most_central_turns(model, solution))
-        .max_by(|a, b| a.smallest_margin().0.total_cmp(&b.smallest_margin().0))
+        .reduce(|best, other| {
+            if is_nearer_to_limits(&other, &best) {
+                other
+            } else {
+                best
+            }
+        })
         .expect("a pose without any branch is out of reach, which was reported before");
     IkError::JointLimit {
         violations: best.violations(model),
         branch: best.configuration,
         branches: branches.len(),
+    }
+}
+
+/// Does `a` miss the limits by less than `b`: by its worst joint, or if that is the same, by the sum of all?
+fn is_nearer_to_limits(a: &Solution, b: &Solution) -> bool {
+    let gain = a.smallest_margin().0 - b.smallest_margin().0;
+    let total = |solution: &Solution| -> f64 {
+        solution
+            .margins
+            .iter()
+            .map(|margin| margin.0.min(0.0))
+            .sum()
+    };
+    if gain.abs() > SAME_DEG {
+        gain > 0.0
+    } else {
+        total(a) > total(b) + SAME_DEG
     }
 }
