@@ -32,13 +32,15 @@ pub(crate) fn select(model: &ArmModel, X_WF: &Pose, seed: Seed) -> Result<Soluti
         Seed::Near(joints) => {
             let joints = PendantJoints::try_from_degrees(joints.degrees())?;
             let branches = inverse::branches(model, X_WF, &joints)?;
-            let near = |solution: &Solution| nearest_turns(model, solution, &joints);
+            let seed = joints.degrees();
             branches
                 .iter()
-                .filter_map(near)
-                .min_by(|a, b| {
-                    distance(&a.joints, &joints).total_cmp(&distance(&b.joints, &joints))
+                .filter_map(|solution| {
+                    let turned = nearest_turns(model, solution, &seed)?;
+                    Some((solution, turned, distance_squared(&turned, &seed)))
                 })
+                .min_by(|(_, _, a), (_, _, b)| a.total_cmp(b))
+                .map(|(solution, turned, _)| on_turns(model, solution, turned))
                 .ok_or_else(|| joint_limit(model, &branches))
         }
         Seed::Centered => {
@@ -57,35 +59,28 @@ pub(crate) fn select(model: &ArmModel, X_WF: &Pose, seed: Seed) -> Result<Soluti
     }
 }
 
-/// The distance in joint space, in degrees.
-fn distance(a: &PendantJoints, b: &PendantJoints) -> f64 {
-    a.degrees()
-        .into_iter()
-        .zip(b.degrees())
-        .map(|(a, b)| (a - b) * (a - b))
-        .sum::<f64>()
-        .sqrt()
+/// The squared distance in joint space, in degrees.
+fn distance_squared(a: &[f64; 6], b: &[f64; 6]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
 }
 
-/// The solution with every joint on the turn inside its limits nearest to `joints`, if there is one.
-fn nearest_turns(
-    model: &ArmModel,
-    solution: &Solution,
-    joints: &PendantJoints,
-) -> Option<Solution> {
-    let mut turned = [0.0; 6];
-    for (axis, turned) in Axis::ALL.into_iter().zip(&mut turned) {
-        let (value, limits) = (solution.joints.of(axis).0, model.limits(axis));
+/// Every joint, in degrees, on the turn inside its limits nearest to `seed`; `None` if a joint has none.
+fn nearest_turns(model: &ArmModel, solution: &Solution, seed: &[f64; 6]) -> Option<[f64; 6]> {
+    let mut turned = solution.joints.degrees();
+    for (axis, value) in Axis::ALL.into_iter().zip(&mut turned) {
+        let (limits, wish) = (model.limits(axis), axis.of(seed));
+        if limits.contains(Degrees(*value)) && (wish - *value).abs() <= TURN / 2.0 {
+            continue;
+        }
         // The turns inside the limits are a range; the nearest of it is the nearest of all, brought into it.
-        let lowest = ((limits.min.0 - ROUNDING_DEG - value) / TURN).ceil();
-        let highest = ((limits.max.0 + ROUNDING_DEG - value) / TURN).floor();
+        let lowest = ((limits.min.0 - ROUNDING_DEG - *value) / TURN).ceil();
+        let highest = ((limits.max.0 + ROUNDING_DEG - *value) / TURN).floor();
         if lowest > highest {
             return None;
         }
-        let nearest = ((joints.of(axis).0 - value) / TURN).round();
-        *turned = value + TURN * nearest.clamp(lowest, highest);
+        *value += TURN * ((wish - *value) / TURN).round().clamp(lowest, highest);
     }
-    Some(on_turns(model, solution, turned))
+    Some(turned)
 }
 
 /// The solution with every joint on the turn nearest to the middle of its range.

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use support::{apart, arm, assert_same_pose, joints, joints_inside_limits, pose};
 
 fn configuration(text: &str) -> Configuration {
-    text.parse().unwrap()
+    text.parse().expect("a configuration")
 }
 
 #[test]

@@ -3,10 +3,11 @@
 mod support;
 
 use std::error::Error;
+use std::fmt::Write;
 
 use kinematics::{ArmModel, Axis, Seed};
 use proptest::prelude::*;
-use support::{apart_but_for_turns, arm, assert_same_pose, inside};
+use support::{apart_but_for_turns, arm, assert_same_pose, inside, joints};
 use units::{DegPerSec, Degrees};
 
 const M20IA: &str = include_str!("../models/fanuc_m20ia.toml");
@@ -30,7 +31,7 @@ fn with(key: &str, nth: usize, value: &str) -> String {
 
 /// The error and its causes.
 fn refused(text: &str) -> String {
-    let error = ArmModel::from_toml(text).unwrap_err();
+    let error = ArmModel::from_toml(text).expect_err(text);
     let mut told = error.to_string();
     let mut cause = error.source();
     while let Some(error) = cause {
@@ -53,7 +54,7 @@ fn the_m20ia_is_as_its_sources_say() {
     assert_eq!(arm().manufacturer(), "FANUC");
     assert_eq!(arm().limits(Axis::J3).max, Degrees(200.0));
     assert_eq!(arm().max_speed(Axis::J6), DegPerSec(550.0));
-    assert_eq!(arm().home().degrees(), [0.0, 0.0, 0.0, 0.0, -90.0, 0.0]);
+    assert_eq!(arm().home(), joints([0.0, 0.0, 0.0, 0.0, -90.0, 0.0]));
     assert!((arm().dh()[1].a.0 - 790.0).abs() < 1e-12);
 }
 
@@ -154,28 +155,31 @@ fn any_arm() -> impl Strategy<Value = ArmModel> {
         let [d1, d2, d3, d4, d6, a1, a2, a3] = lengths;
         let side = if positive { "positive" } else { "negative" };
         let mut text = format!("name = \"any\"\nmanufacturer = \"any\"\nno_flip_j5 = \"{side}\"\n");
-        for (index, (d, a, alpha, sign)) in [
-            (d1, a1, 90.0 * t1, s1),
-            (d2 / 10.0, 400.0 + a2, 0.0, s2),
-            (d3 / 10.0, a3, 90.0 * t3, s3),
-            (d4 + 400.0_f64.copysign(d4), 0.0, 90.0 * t4, s4),
-            (0.0, 0.0, 90.0 * t5, s5),
-            (d6, 0.0, 0.0, s6),
-        ]
-        .into_iter()
-        .enumerate()
-        {
-            let coupling = if index == 2 { coupling } else { 0 };
-            text += &format!(
-                "[[joints]]\naxis = \"J{}\"\nd_mm = {d:?}\na_mm = {a:?}\nalpha_deg = {alpha:?}\n\
-                 sign = {sign}\noffset_deg = {:?}\nj2_coupling = {coupling}\n\
-                 min_deg = -175.0\nmax_deg = 170.0\nmax_speed_deg_s = 100.0\n\
-                 max_acceleration_deg_s2 = 100.0\nhome_deg = 0.0\n",
-                index + 1,
-                [10.0, 90.0, -90.0, 0.0, 0.0, 180.0][index],
+        for (axis, d, a, alpha, sign, offset, coupling) in [
+            ("J1", d1, a1, 90.0 * t1, s1, 10.0, 0),
+            ("J2", d2 / 10.0, 400.0 + a2, 0.0, s2, 90.0, 0),
+            ("J3", d3 / 10.0, a3, 90.0 * t3, s3, -90.0, coupling),
+            (
+                "J4",
+                d4 + 400.0_f64.copysign(d4),
+                0.0,
+                90.0 * t4,
+                s4,
+                0.0,
+                0,
+            ),
+            ("J5", 0.0, 0.0, 90.0 * t5, s5, 0.0, 0),
+            ("J6", d6, 0.0, 0.0, s6, 180.0, 0),
+        ] {
+            let _ = write!(
+                text,
+                "[[joints]]\naxis = \"{axis}\"\nd_mm = {d:?}\na_mm = {a:?}\n\
+                 alpha_deg = {alpha:?}\nsign = {sign}\noffset_deg = {offset:?}\n\
+                 j2_coupling = {coupling}\nmin_deg = -175.0\nmax_deg = 170.0\n\
+                 max_speed_deg_s = 100.0\nmax_acceleration_deg_s2 = 100.0\nhome_deg = 0.0\n"
             );
         }
-        ArmModel::from_toml(&text).unwrap()
+        ArmModel::from_toml(&text).expect("a covered arm")
     })
 }
 

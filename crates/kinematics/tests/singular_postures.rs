@@ -9,12 +9,12 @@ use kinematics::{
 use support::{apart, arm, assert_same_pose, joints, pose};
 
 fn configuration(text: &str) -> Configuration {
-    text.parse().unwrap()
+    text.parse().expect("a configuration")
 }
 
 /// The solution near `seed`, which must reach the pose.
 fn near(X_WF: &Pose, seed: PendantJoints) -> PendantJoints {
-    let solution = arm().inverse(X_WF, Seed::Near(seed)).unwrap();
+    let solution = arm().inverse(X_WF, Seed::Near(seed)).expect("a solution");
     assert_same_pose(
         &arm().forward(&solution.joints),
         X_WF,
@@ -115,7 +115,7 @@ fn stretched(beyond: f64) -> Pose {
     let mut isometry = *flange.isometry();
     isometry.translation.x += beyond * sine;
     isometry.translation.z += beyond * cosine;
-    Pose::try_from_isometry(isometry).unwrap()
+    Pose::try_from_isometry(isometry).expect("a pose")
 }
 
 #[test]
@@ -160,7 +160,7 @@ fn beyond_the_stretched_arm_the_excess_is_told() {
 /// The M-20iA with one line of its file changed.
 fn changed(from: &str, to: &str) -> ArmModel {
     let text = include_str!("../models/fanuc_m20ia.toml");
-    ArmModel::from_toml(&text.replacen(from, to, 1)).unwrap()
+    ArmModel::from_toml(&text.replacen(from, to, 1)).expect("a covered arm")
 }
 
 #[test]
