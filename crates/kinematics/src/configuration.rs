@@ -1,4 +1,15 @@
 //! FANUC's configuration of an arm: `N U T, 0, 0, 0`.
+//!
+//! The letters are defined by geometry, so that a branch changes its name exactly where it meets
+//! another one: at a singularity. Home, with the tool hanging down in front, is `N U T`.
+//!
+//! ASSUMPTION: which side of J5 = 0 is `N` is not published by FANUC for each arm; the model file
+//! says it. Recorded positions of FANUC arms with the tool hanging down in front are `N U T`, and
+//! their J5 is about -90 degrees; docs/sources.md has the evidence.
+//!
+//! ASSUMPTION: a turn number counts half turns away from zero: 0 from -179 to 179 degrees, 1 from
+//! 180 to 539, -1 from -180 to -539. So operators' manuals put it, in whole degrees; here the
+//! boundary is exactly 180, and belongs to the next turn.
 
 use std::fmt;
 use std::str::FromStr;

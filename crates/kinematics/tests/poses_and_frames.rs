@@ -57,9 +57,10 @@ fn at_the_gimbal_r_is_shown_as_zero() {
 
 #[test]
 fn half_a_turn_is_shown_as_plus_180() {
+    let shown = pose([0.0, 0.0, 0.0, -180.0, 0.0, 0.0]).xyzwpr();
     assert_eq!(
-        angles(&pose([0.0, 0.0, 0.0, -180.0, 0.0, 0.0])),
-        [180.0, 0.0, 0.0]
+        (shown.w, shown.p, shown.r),
+        (Degrees(180.0), Degrees(0.0), Degrees(0.0))
     );
 }
 
