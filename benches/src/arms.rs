@@ -87,7 +87,8 @@ fn peer_pose(pose: &Pose) -> rs_opw_kinematics::pose::Pose {
     pose
 }
 
-/// A linear congruential generator (Knuth, MMIX): good enough to spread joints, and the same everywhere.
+/// A linear congruential generator (Knuth, MMIX): good enough to spread joints, and the same
+/// everywhere.
 struct Random(u64);
 
 impl Random {

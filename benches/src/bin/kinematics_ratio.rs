@@ -1,4 +1,5 @@
-//! Prints how our kinematics compares with rs-opw-kinematics: `cargo run --release -p benches --bin kinematics_ratio`.
+//! Prints how our kinematics compares with rs-opw-kinematics: `cargo run --release -p benches --bin
+//! kinematics_ratio`.
 
 use benches::arms::{Case, arm, cases, peer};
 use benches::compare::{Comparison, compare};

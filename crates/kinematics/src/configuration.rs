@@ -4,8 +4,7 @@
 //! another one: at a singularity. Home, with the tool hanging down in front, is `N U T`.
 //!
 //! ASSUMPTION: which side of J5 = 0 is `N` is not published by FANUC for each arm; the model file
-//! says it. Recorded positions of FANUC arms with the tool hanging down in front are `N U T`, and
-//! their J5 is about -90 degrees; docs/sources.md has the evidence.
+//! says it; docs/sources.md has the evidence, which is not decisive.
 //!
 //! ASSUMPTION: a turn number counts half turns away from zero: 0 from -179 to 179 degrees, 1 from
 //! 180 to 539, -1 from -180 to -539. So operators' manuals put it, in whole degrees; here the
@@ -85,7 +84,8 @@ pub enum ConfigurationError {
     },
 }
 
-/// A joint this close to ±180 degrees counts for the turn on either side: the angle came from a rounded pose.
+/// A joint this close to ±180 degrees counts for the turn on either side: the angle came from a
+/// rounded pose.
 const TURN_ROUNDING_DEG: f64 = 1e-6;
 /// A turn number is a signed half byte on the controller.
 const TURNS: std::ops::RangeInclusive<i8> = -8..=7;

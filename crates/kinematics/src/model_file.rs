@@ -221,7 +221,8 @@ pub(crate) fn read(text: &str) -> Result<ArmModel, ModelError> {
     })
 }
 
-/// J1, J2 and J3 are shown on the turn nearest to the middle of their range, the wrist's joints within half a turn.
+/// J1, J2 and J3 are shown on the turn nearest to the middle of their range, the wrist's joints
+/// within half a turn.
 fn shown_middles(&[j1, j2, j3, ..]: &[Limits; 6]) -> [f64; 6] {
     let [j1, j2, j3] =
         [j1, j2, j3].map(|range| f64::midpoint(range.min.0, range.max.0).to_radians());

@@ -16,7 +16,8 @@ use crate::pose::Pose;
 pub enum Seed {
     /// The one nearest to these joints (root of the sum of squares), on whatever turn.
     Near(PendantJoints),
-    /// The one in this configuration, on exactly these turns of J4, J5 and J6: what a FANUC position means.
+    /// The one in this configuration, on exactly these turns of J4, J5 and J6: what a FANUC
+    /// position means.
     InConfiguration(Configuration),
     /// The one whose most cramped joint has the largest margin.
     Centered,
@@ -64,7 +65,8 @@ fn distance_squared(a: &[f64; 6], b: &[f64; 6]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
 }
 
-/// Every joint, in degrees, on the turn inside its limits nearest to `seed`; `None` if a joint has none.
+/// Every joint, in degrees, on the turn inside its limits nearest to `seed`; `None` if a joint has
+/// none.
 fn nearest_turns(model: &ArmModel, solution: &Solution, seed: &[f64; 6]) -> Option<[f64; 6]> {
     let mut turned = solution.joints.degrees();
     for (axis, value) in Axis::ALL.into_iter().zip(&mut turned) {
@@ -72,7 +74,8 @@ fn nearest_turns(model: &ArmModel, solution: &Solution, seed: &[f64; 6]) -> Opti
         if limits.contains(Degrees(*value)) && (wish - *value).abs() <= TURN / 2.0 {
             continue;
         }
-        // The turns inside the limits are a range; the nearest of it is the nearest of all, brought into it.
+        // The turns inside the limits are a range; the nearest of it is the nearest of all, brought
+        // into it.
         let lowest = ((limits.min.0 - ROUNDING_DEG - *value) / TURN).ceil();
         let highest = ((limits.max.0 + ROUNDING_DEG - *value) / TURN).floor();
         if lowest > highest {
@@ -141,8 +144,8 @@ fn is_in_branch(solution: &Solution, wanted: Configuration) -> bool {
         && (is.front == wanted.front || singular.shoulder == 0.0)
 }
 
-/// J4, J5 and J6 on the turns wanted. The configuration is given as wanted: a joint within rounding of half a turn
-/// belongs to two turns, as a singular posture does to two branches.
+/// J4, J5 and J6 on the turns wanted. The configuration is given as wanted: a joint within rounding
+/// of half a turn belongs to two turns, as a singular posture does to two branches.
 fn on_wanted_turns(model: &ArmModel, solution: &Solution, wanted: Configuration) -> Solution {
     let [j1, j2, j3, j4, j5, j6] = solution.joints.degrees();
     let [t4, t5, t6] = wanted.turns;
@@ -190,7 +193,8 @@ fn joint_limit(model: &ArmModel, branches: &Branches) -> IkError {
     }
 }
 
-/// Does `a` miss the limits by less than `b`: by its worst joint, or if that is the same, by the sum of all?
+/// Does `a` miss the limits by less than `b`: by its worst joint, or if that is the same, by the
+/// sum of all?
 fn is_nearer_to_limits(a: &Solution, b: &Solution) -> bool {
     let gain = a.smallest_margin().0 - b.smallest_margin().0;
     let total = |solution: &Solution| -> f64 {

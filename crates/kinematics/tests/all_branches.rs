@@ -3,9 +3,9 @@
 
 mod support;
 
-use kinematics::{Axis, Branches, Seed};
+use kinematics::{Axis, Branches, IkError, Seed};
 use proptest::prelude::*;
-use support::{apart, apart_but_for_turns, arm, assert_same_pose, joints_inside_limits};
+use support::{apart, apart_but_for_turns, arm, assert_same_pose, joints_inside_limits, pose};
 
 /// Near a singularity the joints are less well determined than the pose.
 fn exactness(joints: &kinematics::PendantJoints) -> f64 {
@@ -41,6 +41,31 @@ proptest! {
             prop_assert_eq!(solution.configuration, arm().configuration(&solution.joints));
             for other in branches.iter().skip(index + 1) {
                 prop_assert!(!solution.configuration.same_branch(other.configuration));
+            }
+        }
+    }
+
+    #[test]
+    fn every_pose_is_reached_or_said_to_be_out_of_reach_by_a_positive_excess(
+        size in prop::sample::select(vec![1e-9, 1.0, 300.0, 2000.0, 1e6]),
+        parts in prop::array::uniform3(-1.0..1.0_f64),
+        wpr in prop::array::uniform3(-360.0..360.0_f64),
+    ) {
+        let ([x, y, z], [w, p, r]) = (parts.map(|part| size * part), wpr);
+        let X_WF = pose([x, y, z, w, p, r]);
+        match arm().inverse_all(&X_WF) {
+            Ok(branches) => {
+                for solution in branches.iter() {
+                    assert_same_pose(&arm().forward(&solution.joints), &X_WF, "any pose");
+                }
+            }
+            Err(IkError::OutOfReach { excess, .. }) => prop_assert!(excess.0 > 0.0, "{excess}"),
+            Err(other) => prop_assert!(false, "{other}"),
+        }
+        for seed in [Seed::Centered, Seed::Near(arm().home())] {
+            if let Ok(solution) = arm().inverse(&X_WF, seed) {
+                prop_assert!(solution.within_limits());
+                assert_same_pose(&arm().forward(&solution.joints), &X_WF, "any pose");
             }
         }
     }

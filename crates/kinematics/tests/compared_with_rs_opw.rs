@@ -1,7 +1,7 @@
 //! The same branches as rs-opw-kinematics, an independent implementation.
 //!
-//! Its arm is described by seven lengths, joint offsets and signs; J2 and J3 are coupled on the pendant only, so the
-//! pendant's J3 + J2 is its J3.
+//! Its arm is described by seven lengths, joint offsets and signs; J2 and J3 are coupled on the
+//! pendant only, so the pendant's J3 + J2 is its J3.
 #![expect(non_snake_case, reason = "frames are part of a pose's name")]
 
 mod support;

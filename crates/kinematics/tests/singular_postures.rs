@@ -165,7 +165,8 @@ fn changed(from: &str, to: &str) -> ArmModel {
 
 #[test]
 fn too_near_to_the_shoulder_the_missing_way_is_told() {
-    // Without the offset of axis 2 the shoulder is at the origin; the flange is 100 mm above the wrist center.
+    // Without the offset of axis 2 the shoulder is at the origin; the flange is 100 mm above the
+    // wrist center.
     let arm = changed("a_mm = 150.0", "a_mm = 0.0");
     let error = arm
         .inverse_all(&pose([0.0, 0.0, 110.0, 0.0, 0.0, 0.0]))

@@ -1,7 +1,9 @@
-//! The source thesis's own inverse kinematics, equations (13) to (18), holds for our forward kinematics, where it is
-//! printed rightly. The crate solves the same arm geometrically; this is the second opinion.
+//! The source thesis's own inverse kinematics, equations (13) to (18), holds for our forward
+//! kinematics, where it is printed rightly. The crate solves the same arm geometrically; this is
+//! the second opinion.
 //!
-//! The paper's letters stay inside this file. Table 1's zeros are put in: d1 = d2 = d3 = 0, alpha2 = alpha6 = 0.
+//! The paper's letters stay inside this file. Table 1's zeros are put in: d1 = d2 = d3 = 0, alpha2
+//! = alpha6 = 0.
 #![expect(non_snake_case, reason = "the paper's letters")]
 
 mod support;
