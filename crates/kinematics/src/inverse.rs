@@ -127,7 +127,7 @@ impl Base {
         let front = ((across - lateral.abs()) * (across + lateral.abs()))
             .max(0.0)
             .sqrt();
-        let scale = 1.0 / (across * across);
+        let scale = 1.0 / (across * (front * front + lateral * lateral).sqrt());
         let (x, y) = (p_WC.x * scale, p_WC.y * scale);
         Ok(Self {
             q1: (
