@@ -6,50 +6,91 @@ use units::Degrees;
 
 use crate::branches::{Branches, Solution};
 use crate::configuration::turns_of;
-use crate::forward::{Flange, flanges};
+use crate::forward::{Arm, Flange, Wrist};
 use crate::joints::{Axis, PendantJoints};
 use crate::lanes::{Lanes, transpose};
 use crate::model::ArmModel;
 use crate::pose::Pose;
 use crate::posture::Posture;
 
-/// How far the flange of a returned solution may be from the wanted pose: 1 nm, in millimeters squared.
+/// How far the flange of a returned solution may be from the wanted pose: 1 nm, in millimeters
+/// squared.
 const MAX_POSITION_ERROR_SQUARED: f64 = 1e-6 * 1e-6;
 /// The same for the rotation, 1e-9 rad: two unit quaternions are half the angle apart.
 const MAX_ROTATION_ERROR_SQUARED: f64 = 5e-10 * 5e-10;
 
-/// Joint sets that should reach a pose, a lane each.
+/// The arm postures that should reach a pose, a lane each: front up, front down, back up, back
+/// down.
 #[derive(Clone, Copy)]
-pub(crate) struct Candidates {
-    pub(crate) chain: [Lanes<4>; 6],
-    pub(crate) sin_q5: Lanes<4>,
+pub(crate) struct Postures {
+    /// q1, q2, q3 of the chain.
+    pub(crate) arm: [Lanes<4>; 3],
     pub(crate) front: Lanes<4>,
     pub(crate) elbow: Lanes<4>,
+}
+
+/// q4, q5, q6 of the chain that go with them.
+#[derive(Clone, Copy)]
+pub(crate) struct Wrists {
+    pub(crate) wrist: [Lanes<4>; 3],
+    pub(crate) sin_q5: Lanes<4>,
     /// Which lanes are branches of their own.
     pub(crate) wanted: [bool; 4],
 }
 
-/// Adds the candidates whose joints, as they are returned, put the flange at `X_WF`.
+/// Adds the postures whose joints, as they are returned, put the flange at `X_WF`.
 #[inline]
 pub(crate) fn push_checked(
     model: &ArmModel,
     X_WF: &Pose,
-    candidates: &Candidates,
+    postures: &Postures,
+    wrists: &[Wrists; 2],
     branches: &mut Branches,
 ) {
-    let joints = on_shown_turns(model, model.coupling.pendant(&candidates.chain));
-    let flange = flanges(&model.geometry, &model.coupling.chain(&joints));
-    let reaches = reaches(X_WF, &flange);
-    let [joints, margins] = [transpose(&joints), transpose(&margins(model, &joints))];
-    let postures = transpose(&[candidates.sin_q5, candidates.front, candidates.elbow]);
-    let solutions = joints.into_iter().zip(margins).zip(postures);
-    for ((((joints, margins), posture), reaches), wanted) in
-        solutions.zip(reaches).zip(candidates.wanted)
+    let g = &model.geometry;
+    let [q1, q2, q3] = postures.arm;
+    let mut checked_arm = None;
+    for &Wrists {
+        wrist: [q4, q5, q6],
+        sin_q5,
+        wanted,
+    } in wrists
     {
-        if !(wanted && reaches) {
+        let joints = on_shown_turns(model, model.coupling.pendant(&[q1, q2, q3, q4, q5, q6]));
+        let [q1, q2, q3, q4, q5, q6] = model.coupling.chain(&joints);
+        // The same J1, J2 and J3 carry both wrists.
+        let arm = checked_arm.get_or_insert_with(|| Arm::of(g, q1, q2, q3));
+        let reaches = reaches(X_WF, &Flange::of(g, arm, &Wrist::of(g, q4, q5, q6)));
+        let signs = [sin_q5, postures.front, postures.elbow];
+        push(model, &joints, &signs, both(wanted, reaches), branches);
+    }
+}
+
+/// Lane by lane.
+pub(crate) fn both(mut these: [bool; 4], those: [bool; 4]) -> [bool; 4] {
+    for (this, that) in these.iter_mut().zip(those) {
+        *this &= that;
+    }
+    these
+}
+
+/// The lanes that are `wanted`, with all there is to know about them.
+#[inline]
+fn push(
+    model: &ArmModel,
+    joints: &[Lanes<4>; 6],
+    signs: &[Lanes<4>; 3],
+    wanted: [bool; 4],
+    branches: &mut Branches,
+) {
+    let lanes = transpose(joints)
+        .into_iter()
+        .zip(transpose(&margins(model, joints)));
+    for (((joints, margins), signs), wanted) in lanes.zip(transpose(signs)).zip(wanted) {
+        if !wanted {
             continue;
         }
-        let [sin_q5, front, elbow] = posture;
+        let [sin_q5, front, elbow] = signs;
         let posture = Posture::from_parts(sin_q5, front, elbow);
         let joints = PendantJoints::from_radians(joints);
         branches.push(Solution {
@@ -86,7 +127,8 @@ fn reaches(X_WF: &Pose, flange: &Flange<4>) -> [bool; 4] {
     reaches
 }
 
-/// J1, J2, J3 on the turn nearest to the middle of their range, J4, J5, J6 on the one nearest to zero.
+/// J1, J2, J3 on the turn nearest to the middle of their range, J4, J5, J6 on the one nearest to
+/// zero.
 #[inline]
 fn on_shown_turns(model: &ArmModel, joints: [Lanes<4>; 6]) -> [Lanes<4>; 6] {
     // Adding and subtracting it rounds to a whole number.
@@ -94,7 +136,8 @@ fn on_shown_turns(model: &ArmModel, joints: [Lanes<4>; 6]) -> [Lanes<4>; 6] {
     let mut shown = joints;
     for (joint, middle) in shown.iter_mut().zip(model.shown_middles) {
         let turns = (*joint - middle) * (1.0 / TAU) + ROUND - ROUND;
-        *joint = *joint - turns * TAU;
+        // The last term turns a negative zero into zero.
+        *joint = *joint - turns * TAU + 0.0;
     }
     shown
 }

@@ -1,5 +1,8 @@
 //! From the pendant's joints to the chain's and back.
 
+use units::Degrees;
+
+use crate::joints::Axis;
 use crate::lanes::Lanes;
 
 /// How the chain's angles follow from the pendant's: `q = sign * J + offset`, and J2 adds to q3.
@@ -28,6 +31,11 @@ impl Coupling {
             j5 * s5 + o5,
             j6 * s6 + o6,
         ]
+    }
+
+    /// The chain's fourth angle at J4.
+    pub(crate) fn q4(&self, j4: Degrees) -> f64 {
+        j4.0.to_radians() * Axis::J4.of(&self.signs) + Axis::J4.of(&self.offsets)
     }
 
     /// The inverse of [`Self::chain`]. The signs are 1 or -1, so multiplying divides.

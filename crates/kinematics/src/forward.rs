@@ -1,4 +1,5 @@
-//! Forward kinematics: the flange's pose of the chain's joints, for one set of joints or for several side by side.
+//! Forward kinematics: the flange's pose of the chain's joints, for one set of joints or for
+//! several side by side.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
@@ -10,19 +11,105 @@ use crate::trigonometry::sin_cos;
 
 /// `X_WF` of the chain's joints.
 pub(crate) fn flange(geometry: &Geometry, joints: &ChainJoints) -> Pose {
-    let chain = joints.radians().map(|q| Lanes([q]));
+    let [q1, q2, q3, q4, q5, q6] = joints.radians().map(|q| Lanes([q]));
     // One call for six angles, instead of six calls for one.
-    let (sines, cosines) = sin_cos(Lanes(angles(&chain).map(|Lanes([angle])| angle)));
-    let [a, b, c, d, e, f] = sines.0.map(|sine| Lanes([sine]));
-    let [k, l, m, n, o, p] = cosines.0.map(|cosine| Lanes([cosine]));
-    let turned = [(a, k), (b, l), (c, m), (d, n), (e, o), (f, p)];
-    let Flange { position, rotation } = compose(geometry, &turned);
+    let [a, b, c] = Arm::angles(q1, q2, q3);
+    let [d, e, f] = Wrist::angles(q4, q5, q6);
+    let angles = Lanes([a, b, c, d, e, f].map(|Lanes([angle])| angle));
+    let (Lanes(sines), Lanes(cosines)) = sin_cos(angles);
+    let [sa, sb, sc, sd, se, sf] = sines.map(|sine| Lanes([sine]));
+    let [ca, cb, cc, cd, ce, cf] = cosines.map(|cosine| Lanes([cosine]));
+    let arm = Arm::compose(geometry, (sa, ca), (sb, cb), (sc, cc));
+    let wrist = Wrist::compose(geometry, (sd, cd), (se, ce), (sf, cf));
+    let Flange { position, rotation } = Flange::of(geometry, &arm, &wrist);
     let [x, y, z] = position.map(|Lanes([value])| value);
     let [w, i, j, k] = rotation.map(|Lanes([value])| value);
     Pose::from_parts(
         Vector3::new(x, y, z),
         UnitQuaternion::new_unchecked(Quaternion::new(w, i, j, k)),
     )
+}
+
+/// Sine and cosine.
+type Turn<const N: usize> = (Lanes<N>, Lanes<N>);
+
+/// What axes 1, 2 and 3 do: the wrist center, and the forearm's rotation with the twist of link 3.
+///
+/// Rotations are multiplied as quaternions, real part first. With right angles between the axes
+/// each factor is short, a and b being half angles: `Z(a) X(±90) Z(b) = (cos(a+b), ±cos(a-b),
+/// ±sin(a-b), sin(a+b)) / sqrt 2`. The factors of `1 / sqrt 2` are left to the end.
+#[derive(Clone, Copy)]
+pub(crate) struct Arm<const N: usize> {
+    wrist_center: [Lanes<N>; 3],
+    rotation: [Lanes<N>; 4],
+}
+
+impl<const N: usize> Arm<N> {
+    /// Of the chain's first three joints.
+    #[inline]
+    pub(crate) fn of(g: &Geometry, q1: Lanes<N>, q2: Lanes<N>, q3: Lanes<N>) -> Self {
+        let [a, b, c] = Self::angles(q1, q2, q3);
+        Self::compose(g, sin_cos(a), sin_cos(b), sin_cos(c))
+    }
+
+    /// The angles whose sines and cosines are needed.
+    #[inline]
+    fn angles(q1: Lanes<N>, q2: Lanes<N>, q3: Lanes<N>) -> [Lanes<N>; 3] {
+        let q23 = q2 + q3;
+        [q2, (q1 + q23) * 0.5, (q1 - q23) * 0.5]
+    }
+
+    #[inline]
+    fn compose(g: &Geometry, (s2, c2): Turn<N>, (sp, cp): Turn<N>, (sm, cm): Turn<N>) -> Self {
+        let (s1, c1) = (sp * cm + cp * sm, cp * cm - sp * sm);
+        let (s23, c23) = (sp * cm - cp * sm, cp * cm + sp * sm);
+        let (reach_x, reach_y) = (g.forearm * g.forearm_cos, g.forearm * g.forearm_sin);
+        let forward = c2 * g.a2 + c23 * reach_x - s23 * reach_y + g.a1;
+        let up = s2 * g.a2 + s23 * reach_x + c23 * reach_y;
+        let lateral = -g.s1 * g.lateral;
+        Self {
+            wrist_center: [
+                c1 * forward - s1 * lateral,
+                s1 * forward + c1 * lateral,
+                up * g.s1 + g.d1,
+            ],
+            rotation: twisted([cp, cm * g.s1, sm * g.s1, sp], g.s3),
+        }
+    }
+}
+
+/// What axes 4, 5 and 6 do: the flange's rotation against the forearm.
+#[derive(Clone, Copy)]
+pub(crate) struct Wrist<const N: usize> {
+    rotation: [Lanes<N>; 4],
+}
+
+impl<const N: usize> Wrist<N> {
+    /// Of the chain's last three joints.
+    #[inline]
+    pub(crate) fn of(g: &Geometry, q4: Lanes<N>, q5: Lanes<N>, q6: Lanes<N>) -> Self {
+        let [a, b, c] = Self::angles(q4, q5, q6);
+        Self::compose(g, sin_cos(a), sin_cos(b), sin_cos(c))
+    }
+
+    /// The angles whose sines and cosines are needed.
+    #[inline]
+    fn angles(q4: Lanes<N>, q5: Lanes<N>, q6: Lanes<N>) -> [Lanes<N>; 3] {
+        [(q4 + q5) * 0.5, (q4 - q5) * 0.5, q6 * 0.5]
+    }
+
+    #[inline]
+    fn compose(g: &Geometry, (sp, cp): Turn<N>, (sm, cm): Turn<N>, (s6, c6): Turn<N>) -> Self {
+        let [w, x, y, z] = twisted([cp, cm * g.s4, sm * g.s4, sp], g.s5);
+        Self {
+            rotation: [
+                w * c6 - z * s6,
+                x * c6 + y * s6,
+                y * c6 - x * s6,
+                z * c6 + w * s6,
+            ],
+        }
+    }
 }
 
 /// Position in millimeters, and rotation as a unit quaternion, real part first.
@@ -32,73 +119,23 @@ pub(crate) struct Flange<const N: usize> {
     pub(crate) rotation: [Lanes<N>; 4],
 }
 
-/// The flanges of several sets of chain joints.
-#[inline]
-pub(crate) fn flanges<const N: usize>(geometry: &Geometry, chain: &[Lanes<N>; 6]) -> Flange<N> {
-    compose(geometry, &angles(chain).map(sin_cos))
-}
-
-/// The angles whose sines and cosines the flange is made of: the wrist center needs q2, and the quaternions of two
-/// axes at right angles need half the sum and half the difference of their angles.
-#[inline]
-fn angles<const N: usize>(&[q1, q2, q3, q4, q5, q6]: &[Lanes<N>; 6]) -> [Lanes<N>; 6] {
-    let q23 = q2 + q3;
-    [
-        q2,
-        (q1 + q23) * 0.5,
-        (q1 - q23) * 0.5,
-        (q4 + q5) * 0.5,
-        (q4 - q5) * 0.5,
-        q6 * 0.5,
-    ]
-}
-
-/// The product of the six transforms, from sines and cosines of [`angles`].
-///
-/// Rotations are multiplied as quaternions. With right angles between the axes each factor is short:
-/// `Z(a) X(±90) Z(b) = (cos(a+b), ±cos(a-b), ±sin(a-b), sin(a+b)) / sqrt 2`, a and b being half angles.
-#[inline]
-fn compose<const N: usize>(
-    g: &Geometry,
-    &[
-        (s2, c2),
-        (sp1, cp1),
-        (sm1, cm1),
-        (sp4, cp4),
-        (sm4, cm4),
-        (s6, c6),
-    ]: &[(Lanes<N>, Lanes<N>); 6],
-) -> Flange<N> {
-    // Axes 1 and 2 + 3, then the twist of link 3.
-    let arm = twisted([cp1, cm1 * g.s1, sm1 * g.s1, sp1], g.s3);
-    // Axes 4 and 5, then the twist of link 5, then axis 6.
-    let [w, x, y, z] = twisted([cp4, cm4 * g.s4, sm4 * g.s4, sp4], g.s5);
-    let wrist = [
-        w * c6 - z * s6,
-        x * c6 + y * s6,
-        y * c6 - x * s6,
-        z * c6 + w * s6,
-    ];
-    // Four factors of 1 / sqrt 2 were left out.
-    let [w, x, y, z] = product(arm, wrist).map(|part| part * 0.25);
-
-    let (s1, c1) = (sp1 * cm1 + cp1 * sm1, cp1 * cm1 - sp1 * sm1);
-    let (s23, c23) = (sp1 * cm1 - cp1 * sm1, cp1 * cm1 + sp1 * sm1);
-    let forearm_x = c23 * (g.forearm * g.forearm_cos) - s23 * (g.forearm * g.forearm_sin);
-    let forearm_y = s23 * (g.forearm * g.forearm_cos) + c23 * (g.forearm * g.forearm_sin);
-    let forward = c2 * g.a2 + forearm_x + g.a1;
-    let up = (s2 * g.a2 + forearm_y) * g.s1 + g.d1;
-    let lateral = -g.s1 * g.lateral;
-    // The flange's axis, out of the quaternion.
-    let (axis_x, axis_y) = ((x * z + w * y) * 2.0, (y * z - w * x) * 2.0);
-    let axis_z = (x * x + y * y) * -2.0 + 1.0;
-    Flange {
-        position: [
-            c1 * forward - s1 * lateral + axis_x * g.d6,
-            s1 * forward + c1 * lateral + axis_y * g.d6,
-            up + axis_z * g.d6,
-        ],
-        rotation: [w, x, y, z],
+impl<const N: usize> Flange<N> {
+    #[inline]
+    pub(crate) fn of(g: &Geometry, arm: &Arm<N>, wrist: &Wrist<N>) -> Self {
+        let [w, x, y, z] = product(arm.rotation, wrist.rotation);
+        // Four factors of 1 / sqrt 2 were left out.
+        let (w, x, y, z) = (w * 0.25, x * 0.25, y * 0.25, z * 0.25);
+        let [x_WC, y_WC, z_WC] = arm.wrist_center;
+        // Along the flange's axis, the third column of the rotation.
+        let (along_x, along_y) = (
+            (x * z + w * y) * (2.0 * g.d6),
+            (y * z - w * x) * (2.0 * g.d6),
+        );
+        let along_z = (x * x + y * y) * (-2.0 * g.d6) + g.d6;
+        Self {
+            position: [x_WC + along_x, y_WC + along_y, z_WC + along_z],
+            rotation: [w, x, y, z],
+        }
     }
 }
 

@@ -1,8 +1,9 @@
 //! Closed-form inverse kinematics: every branch of an ortho-parallel arm with a spherical wrist.
 //!
-//! The wrist center is where the flange's axis, followed back by d6, ends. Axis 1 turns the arm's plane towards it, or
-//! away from it; in the plane upper arm and forearm reach it with the elbow on either side; the wrist makes up for the
-//! rotation in two ways. The first two choices are the four lanes: front up, front down, back up, back down.
+//! The wrist center is where the flange's axis, followed back by d6, ends. Axis 1 turns the arm's
+//! plane towards it, or away from it; in the plane upper arm and forearm reach it with the elbow on
+//! either side; the wrist makes up for the rotation in two ways. The first two choices are the four
+//! lanes: front up, front down, back up, back down.
 
 use std::f64::consts::{PI, TAU};
 
@@ -10,17 +11,18 @@ use nalgebra::{Matrix3, Vector3};
 use units::Millimeters;
 
 use crate::branches::Branches;
-use crate::checked::{Candidates, push_checked};
+use crate::checked::{Postures, Wrists, both, push_checked};
 use crate::geometry::Geometry;
 use crate::ik_error::{IkError, ReachBound};
-use crate::joints::PendantJoints;
+use crate::joints::{Axis, PendantJoints};
 use crate::lanes::Lanes;
 use crate::model::ArmModel;
 use crate::pose::Pose;
 use crate::posture::Posture;
 use crate::trigonometry::atan2;
 
-/// A wrist center this far beyond a bound, in millimeters, is taken as on it: half of what a solution may be off.
+/// A wrist center this far beyond a bound, in millimeters, is taken as on it: half of what a
+/// solution may be off.
 const REACH_ROUNDING: f64 = 5e-7;
 
 /// Sine and cosine of an angle, a lane each.
@@ -32,6 +34,22 @@ pub(crate) fn branches(
     X_WF: &Pose,
     reference: &PendantJoints,
 ) -> Result<Branches, IkError> {
+    // Filled where it is returned: a kilobyte is not copied for nothing.
+    let mut found = Ok(Branches::new());
+    if let Ok(branches) = &mut found
+        && let Err(error) = collect(model, X_WF, reference, branches)
+    {
+        found = Err(error);
+    }
+    found
+}
+
+fn collect(
+    model: &ArmModel,
+    X_WF: &Pose,
+    reference: &PendantJoints,
+    branches: &mut Branches,
+) -> Result<(), IkError> {
     let g = &model.geometry;
     let R_WF = X_WF.rotation_matrix();
     let p_WC = X_WF.isometry().translation.vector - g.d6 * R_WF.column(2);
@@ -42,38 +60,36 @@ pub(crate) fn branches(
     let elbow = Elbow::of(g, &base, p_WC.z, free_q2);
     let wrist = Wrist::of(model, &base, &elbow, &R_WF, near);
 
-    let mut branches = Branches::new();
-    let [q1, q2, q23] = [base.q1, elbow.q2, elbow.q23].map(|(sine, cosine)| atan2(sine, cosine));
-    let [q4, q5, q6] = [wrist.q4, wrist.q5, wrist.q6].map(|(sine, cosine)| atan2(sine, cosine));
+    let (q1, q2, q23) = (angle(base.q1), angle(elbow.q2), angle(elbow.q23));
+    let (q4, q5, q6) = (angle(wrist.q4), angle(wrist.q5), angle(wrist.q6));
     let wanted = both(base.wanted, elbow.wanted);
     let (sin_q5, _) = wrist.q5;
-    let no_flip = Candidates {
-        chain: [q1, q2, q23 - q2, q4, q5, q6],
+    let no_flip = Wrists {
+        wrist: [q4, q5, q6],
         sin_q5,
-        front: base.front,
-        elbow: elbow.bend,
         wanted,
     };
-    let flip = Candidates {
-        chain: [q1, q2, q23 - q2, q4 + PI, -q5, q6 + PI],
+    let flip = Wrists {
+        wrist: [q4 + PI, -q5, q6 + PI],
         sin_q5: -sin_q5,
         wanted: both(wanted, wrist.has_flip),
-        ..no_flip
     };
-    push_checked(model, X_WF, &no_flip, &mut branches);
-    push_checked(model, X_WF, &flip, &mut branches);
+    let postures = Postures {
+        arm: [q1, q2, q23 - q2],
+        front: base.front,
+        elbow: elbow.bend,
+    };
+    push_checked(model, X_WF, &postures, &[no_flip, flip], branches);
     if branches.is_empty() {
         Err(out_of_reach(g, &base, p_WC.z))
     } else {
-        Ok(branches)
+        Ok(())
     }
 }
 
-fn both(mut these: [bool; 4], those: [bool; 4]) -> [bool; 4] {
-    for (this, that) in these.iter_mut().zip(those) {
-        *this &= that;
-    }
-    these
+#[inline]
+fn angle((sine, cosine): Turn) -> Lanes<4> {
+    atan2(sine, cosine)
 }
 
 /// q1, and how far the wrist center is in front of axis 1.
@@ -111,7 +127,7 @@ impl Base {
         let front = ((across - lateral.abs()) * (across + lateral.abs()))
             .max(0.0)
             .sqrt();
-        let scale = 1.0 / (across * across);
+        let scale = 1.0 / (across * (front * front + lateral * lateral).sqrt());
         let (x, y) = (p_WC.x * scale, p_WC.y * scale);
         Ok(Self {
             q1: (
@@ -144,31 +160,29 @@ impl Elbow {
         let distance = (u * u + v * v).sqrt();
         let per_distance = distance.recip();
         let (longest, shortest) = (g.a2 + g.forearm, (g.a2 - g.forearm).abs());
-        // Twice the area of the triangle, by Heron: exact near the stretched and the folded arm, where the law of
-        // cosines loses half the digits. Beyond reach the arm is stretched, and the check at the end will see.
+        // Twice the area of the triangle, by Heron: exact near the stretched and the folded arm,
+        // where the law of cosines loses half the digits. Beyond reach the arm is stretched, and
+        // the check at the end will see.
         let area = ((distance * -1.0 + longest) * (distance + longest))
             * ((distance - shortest) * (distance + shortest));
         let sine = area.map(|area| if area > 0.0 { area } else { 0.0 }).sqrt()
             * (0.5 / (g.a2 * g.forearm));
-        // Up is on the left of the line from shoulder to wrist center if frame 1's second axis points up.
+        // Up is on the left of the line from shoulder to wrist center if frame 1's second axis
+        // points up.
         let bend = sine * Lanes([1.0, -1.0, 1.0, -1.0]);
         let mut direction = (v * per_distance, u * per_distance);
         let mut shoulder = (
             bend * per_distance * (g.s1 * g.forearm),
             (distance * distance + (g.a2 - g.forearm) * longest) * per_distance * (0.5 / g.a2),
         );
-        if distance.0.contains(&0.0) {
-            // The arm folded onto its shoulder: every q2 will do.
+        let folded = distance.0.map(|distance| distance == 0.0);
+        if folded != [false; 4] {
+            // The arm is folded onto its shoulder, and every q2 will do.
             let (s2, c2) = free_q2.sin_cos();
-            let folded = distance.map(|distance| if distance == 0.0 { 1.0 } else { 0.0 });
-            let or = |this: Lanes<4>, that: f64| {
-                this.zip(
-                    folded,
-                    |value, folded| if folded == 1.0 { that } else { value },
-                )
-            };
-            direction = (or(direction.0, s2), or(direction.1, c2));
-            shoulder = (or(shoulder.0, 0.0), or(shoulder.1, 1.0));
+            direction.0 = direction.0.replaced(folded, Lanes::all(s2));
+            direction.1 = direction.1.replaced(folded, Lanes::all(c2));
+            shoulder.0 = shoulder.0.replaced(folded, Lanes::all(0.0));
+            shoulder.1 = shoulder.1.replaced(folded, Lanes::all(1.0));
         }
         let q2 = (
             direction.0 * shoulder.1 + direction.1 * shoulder.0,
@@ -229,34 +243,29 @@ impl Wrist {
         let sine = (x * x + y * y).sqrt();
         let scale = sine.recip() * (model.no_flip_sign * g.s5);
         let mut q4 = (y * scale, x * scale);
-        let has_flip = sine.0.map(|sine| sine >= Posture::SINGULAR_WRIST);
-        if has_flip != [true; 4] {
-            let shared = share(g, rotation, near);
-            let or = |value: Lanes<4>, shared: Lanes<4>| {
-                let mut chosen = value;
-                for ((chosen, shared), regular) in chosen.0.iter_mut().zip(shared.0).zip(has_flip) {
-                    if !regular {
-                        *chosen = shared;
-                    }
-                }
-                chosen
-            };
-            q4 = (or(q4.0, shared.0), or(q4.1, shared.1));
+        let in_line = sine.0.map(|sine| sine < Posture::SINGULAR_WRIST);
+        if in_line != [false; 4] {
+            let shared = share(model, &rotation, near);
+            q4 = (
+                q4.0.replaced(in_line, shared.0),
+                q4.1.replaced(in_line, shared.1),
+            );
         }
-        let (q5, q6) = rest_of_wrist(g, rotation, q4);
+        let (q5, q6) = rest_of_wrist(g, &rotation, q4);
         Self {
             q4,
             q5,
             q6,
-            has_flip,
+            has_flip: in_line.map(|in_line| !in_line),
         }
     }
 }
 
-/// q5 and q6 at a given q4: what is left of the wrist's rotation, so that an error of q4 is made good by q6.
+/// q5 and q6 at a given q4: what is left of the wrist's rotation, so that an error of q4 is made
+/// good by q6.
 #[inline]
-fn rest_of_wrist(g: &Geometry, columns: [[Lanes<4>; 3]; 3], (s4, c4): Turn) -> (Turn, Turn) {
-    let [[x1, y1, _], [x2, y2, _], [x3, y3, z3]] = columns;
+fn rest_of_wrist(g: &Geometry, columns: &[[Lanes<4>; 3]; 3], (s4, c4): Turn) -> (Turn, Turn) {
+    let [[x1, y1, _], [x2, y2, _], [x3, y3, z3]] = *columns;
     let t = -g.s4 * g.s5;
     (
         ((c4 * x3 + s4 * y3) * g.s5, z3 * t),
@@ -264,18 +273,23 @@ fn rest_of_wrist(g: &Geometry, columns: [[Lanes<4>; 3]; 3], (s4, c4): Turn) -> (
     )
 }
 
-/// q4 with axes 4 and 6 in line: only their sum, or difference, is determined, and the way from `near` is shared out
-/// evenly.
+/// q4 with axes 4 and 6 in line: only their sum, or difference, is determined, and the way from
+/// `near` is shared out evenly, as far as J4's limits allow.
 #[cold]
-fn share(g: &Geometry, columns: [[Lanes<4>; 3]; 3], near: [f64; 6]) -> Turn {
+fn share(model: &ArmModel, columns: &[[Lanes<4>; 3]; 3], near: [f64; 6]) -> Turn {
     let [.., q4, _, q6] = near;
     let (sine, cosine) = q4.sin_cos();
-    let (_, at_q4) = rest_of_wrist(g, columns, (Lanes::all(sine), Lanes::all(cosine)));
-    let way = atan2(at_q4.0, at_q4.1) - q6;
-    let [_, _, [.., along]] = columns;
+    let at_q4 = (Lanes::all(sine), Lanes::all(cosine));
+    let (_, rest) = rest_of_wrist(&model.geometry, columns, at_q4);
+    let way = angle(rest) - q6;
+    let [_, _, [.., along]] = *columns;
+    let limits = model.limits(Axis::J4);
+    let (a, b) = (model.coupling.q4(limits.min), model.coupling.q4(limits.max));
+    let (low, high) = (a.min(b), a.max(b));
     // q6 counts in the direction in which axis 6 points along axis 4.
     let turned = way.zip(along, |way, along| {
-        q4 + along.signum() * (way - TAU * (way / TAU).round()) / 2.0
+        let half = (way - TAU * (way / TAU).round()) / 2.0;
+        (q4 + along.signum() * half).clamp(low, high)
     });
     (turned.map(f64::sin), turned.map(f64::cos))
 }

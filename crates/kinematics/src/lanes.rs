@@ -1,7 +1,9 @@
-//! Several numbers at once: the four arm postures of a pose go through the same arithmetic side by side.
+//! Several numbers at once: the four arm postures of a pose go through the same arithmetic side by
+//! side.
 //!
-//! Plain arrays and loops of a fixed length, which the compiler turns into vector instructions. There are no branches:
-//! what a posture does not have is computed all the same and discarded at the end.
+//! Plain arrays and loops of a fixed length, which the compiler turns into vector instructions.
+//! There are no branches: what a posture does not have is computed all the same and discarded at
+//! the end.
 
 use std::ops::{Add, Mul, Neg, Sub};
 
@@ -34,6 +36,17 @@ impl<const N: usize> Lanes<N> {
     pub(crate) fn zip(mut self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
         for (a, b) in self.0.iter_mut().zip(other.0) {
             *a = f(*a, b);
+        }
+        self
+    }
+
+    /// With the lanes that are `which` taken from `other`.
+    #[inline]
+    pub(crate) fn replaced(mut self, which: [bool; N], other: Self) -> Self {
+        for ((lane, which), other) in self.0.iter_mut().zip(which).zip(other.0) {
+            if which {
+                *lane = other;
+            }
         }
         self
     }
