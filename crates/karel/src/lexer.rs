@@ -247,9 +247,7 @@ impl Lexer<'_> {
             format!("the byte 0x{byte:02X} means nothing in KAREL")
         };
         match byte {
-            b'"' => self
-                .reports
-                .error_with_help(span, message, "strings stand in `'`"),
+            b'"' => self.double_quoted(span, &message),
             b'{' | b'}' | b'!' => {
                 self.reports
                     .error_with_help(span, message, "comments start with `--`");
@@ -262,8 +260,13 @@ impl Lexer<'_> {
 impl Lexer<'_> {
     /// A string in the wrong quotes: one message, and a string token in its place.
     fn double_quoted(&mut self, quote: Span, message: &str) {
-        self.reports.error_with_help(quote, message, "strings stand in `'`");
-        let line_rest = self.rest().split(|byte| *byte == b'\n').next().unwrap_or_default();
+        self.reports
+            .error_with_help(quote, message, "strings stand in `'`");
+        let line_rest = self
+            .rest()
+            .split(|byte| *byte == b'\n')
+            .next()
+            .unwrap_or_default();
         if let Some(length) = line_rest.iter().position(|byte| *byte == b'"') {
             self.offset += length + 1;
             self.push(TokenKind::Text, quote.start());

@@ -9,18 +9,29 @@
 //! `Machine::task(TaskId) -> Option<TaskView>`, `Machine::abort(TaskId, &mut dyn Host)`.
 
 mod ast;
+mod builtins;
+mod check;
 mod diagnostic;
 mod error;
 mod host;
+mod ir;
 mod lexer;
+mod lower;
+mod machine;
 mod parser;
 mod position;
+mod program;
 mod run;
 mod sexpr;
 mod span;
 mod status;
 mod syspath;
+mod sysvars;
+mod text_reader;
+mod text_writer;
 mod token;
+mod typed;
+mod types;
 mod value;
 
 pub use diagnostic::{Diagnostic, Severity, render};
@@ -29,7 +40,9 @@ pub use host::{
     FileId, Host, Input, InputEnd, MotionId, MotionRequest, MoveEnd, OpenMode, Progress, TaskId,
     Wait,
 };
+pub use machine::{LoadError, Machine, StartError};
 pub use position::{Config, Elbow, Front, Position, Wrist, Xyzwpr, XyzwprExt};
+pub use program::Program;
 pub use run::{Limits, Run, Slice, TaskState, TaskView};
 pub use status::Status;
 pub use syspath::{Step, SysPath, SysPathError};

@@ -42,7 +42,8 @@ pub(crate) fn parse(source: &Source, reports: &mut Reports) -> Option<Program> {
         tokens: &tokens,
         position: 0,
         depth: 0,
-        open_blocks: Vec::new(), gave_up: false,
+        open_blocks: Vec::new(),
+        gave_up: false,
         reports,
     };
     parser.program().ok()
