@@ -31,7 +31,7 @@ impl From<JointsDeg> for [f64; 6] {
 }
 
 /// A pose as the pendant shows it: millimeters and degrees, W, P, R about the fixed X, Y, Z axes.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "the six components")]
 pub struct PoseMmDeg {
     pub x_mm: f64,

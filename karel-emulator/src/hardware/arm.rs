@@ -1,12 +1,13 @@
 //! The arm: motions in, ledger entries out.
 
-use karel::{MotionId, MotionRequest, Progress, Status, TaskId, Value, Wait, motype};
+use karel::{MotionId, MotionRequest, Progress, Status, TaskId, Value, Wait};
 use kinematics::PendantJoints;
 use units::MmPerSec;
 
 use super::{Hardware, MotionTag, Wake};
 use crate::ledger::{LedgerEntry, LedgerEvent, MotionKind, seconds};
 use crate::motion::planner::pose_of_target;
+use crate::sysvars::codes::motype;
 use crate::motion::{JointPath, Motion, MotionEnd, Outcome, Refusal};
 
 /// MOTN-999: this controller does not simulate what the program asks for. A number of our own.

@@ -40,6 +40,8 @@ pub(crate) struct Hardware {
     pub(crate) alarms: AlarmLog,
     pub(crate) tags: Vec<ServerTag>,
     pub(crate) screen: VecDeque<String>,
+    /// The task whose statements are executed now.
+    pub(crate) running: Option<TaskId>,
     effects: Vec<Effect>,
     wakes: Vec<Wake>,
     files: BTreeMap<FileId, OpenFile>,
@@ -123,6 +125,7 @@ impl Hardware {
             alarms: AlarmLog::new(config.limits.alarms),
             tags: Tag::all().map(ServerTag::new).collect(),
             screen: VecDeque::new(),
+            running: None,
             effects: Vec::new(),
             wakes: Vec::new(),
             files: BTreeMap::new(),

@@ -122,8 +122,13 @@ impl Hardware {
     }
 
     /// Breaks a READ in progress; [`Self::end_cancel`] makes the file usable again.
+    ///
+    /// A task that cancels its own file has nothing in progress on it.
     pub(super) fn cancel(&mut self, file: FileId) -> Status {
-        if let Some(open) = self.files.get_mut(&file) {
+        let running = self.running;
+        if let Some(open) = self.files.get_mut(&file)
+            && Some(open.task) != running
+        {
             open.cancelled = true;
             self.wakes.extend([Wake::Readable(file), Wake::Writable(file)]);
         }
@@ -156,10 +161,10 @@ impl Hardware {
         let Some(OpenFile { connection, task, .. }) = self.files.get(&file) else { return };
         let (id, task) = (*connection, *task);
         let Some(connection) = self.connection_mut(id) else { return };
-        let count = count.min(connection.received.len());
-        let _read = connection.received.drain(..count);
         let origin =
             Origin { peer: Some(connection.peer), request_id: connection.request_id.clone() };
+        let count = count.min(connection.received.len());
+        drop(connection.received.drain(..count));
         let _previous = self.origins.insert(task, origin);
     }
 

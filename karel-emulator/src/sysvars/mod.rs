@@ -3,6 +3,7 @@
 //! `$UTOOL` and `$GROUP[1].$UTOOL` are one variable. The values that mean something to the arm are read from here by
 //! [`SystemVariables::integer`] and its sisters at the moment they are used, never copied.
 
+pub mod codes;
 mod table;
 
 use std::collections::{BTreeMap, BTreeSet};

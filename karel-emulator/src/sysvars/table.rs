@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use karel::{Position, Text, Value};
 
+use super::codes::{motype, termtype};
 use super::{Kind, Live, Source, Variable};
 use crate::motion::path::SPEED_LIMIT;
 
@@ -68,8 +69,8 @@ impl Table {
         let max = speed_limit();
         self.stored("$SPEED", Kind::Real { above: 0.0, max }, Value::Real(300.0));
         self.stored("$SPEEDLIM", Kind::Real { above: 0.0, max }, Value::Real(max));
-        self.integer("$MOTYPE", ANY, karel::motype::JOINT);
-        self.integer("$TERMTYPE", ANY, karel::termtype::FINE);
+        self.integer("$MOTYPE", ANY, motype::JOINT);
+        self.integer("$TERMTYPE", ANY, termtype::FINE);
         self.integer("$ORIENT_TYPE", ANY, 1);
         self.position("$UFRAME");
         self.position("$UTOOL");
