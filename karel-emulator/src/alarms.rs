@@ -60,7 +60,12 @@ impl AlarmLog {
     /// An empty log of at most `capacity` alarms.
     #[must_use]
     pub fn new(capacity: usize) -> Self {
-        Self { alarms: VecDeque::new(), capacity, dropped: 0, last_seq: 0 }
+        Self {
+            alarms: VecDeque::new(),
+            capacity,
+            dropped: 0,
+            last_seq: 0,
+        }
     }
 
     /// Adds an alarm; its number is set here. A warning does not stay active.
@@ -83,6 +88,7 @@ impl AlarmLog {
     }
 
     /// Oldest first.
+    #[must_use]
     pub fn iter(&self) -> impl DoubleEndedIterator<Item = &Alarm> {
         self.alarms.iter()
     }
@@ -135,6 +141,9 @@ mod tests {
         log.post(alarm(Severity::Warn));
         log.post(alarm(Severity::Warn));
         assert_eq!((log.iter().count(), log.dropped()), (1, 1));
-        assert_eq!(log.iter().next().unwrap().headline(), "MOTN-017 Limit error.");
+        assert_eq!(
+            log.iter().next().unwrap().headline(),
+            "MOTN-017 Limit error."
+        );
     }
 }

@@ -36,20 +36,29 @@ impl Clock {
     /// A second is a second.
     #[must_use]
     pub fn real() -> Self {
-        Self { kind: Kind::Running { scale: 1.0 } }
+        Self {
+            kind: Kind::Running { scale: 1.0 },
+        }
     }
 
     /// `scale` controller seconds in a second, above 0 and up to 1000; `None` beyond.
     #[must_use]
     pub fn scaled(scale: f64) -> Option<Self> {
-        (scale > 0.0 && scale <= MAX_SCALE).then_some(Self { kind: Kind::Running { scale } })
+        (scale > 0.0 && scale <= MAX_SCALE).then_some(Self {
+            kind: Kind::Running { scale },
+        })
     }
 
     /// Time passes only in the hands of the [`Stepper`].
     #[must_use]
     pub fn stepped() -> (Self, Stepper) {
         let (sender, steps) = mpsc::channel(STEP_QUEUE);
-        (Self { kind: Kind::Stepped { steps } }, Stepper { sender })
+        (
+            Self {
+                kind: Kind::Stepped { steps },
+            },
+            Stepper { sender },
+        )
     }
 }
 
@@ -70,7 +79,10 @@ impl Stepper {
     /// The controller has stopped.
     pub async fn advance(&self, by: Duration) -> Result<Duration, ControllerStopped> {
         let (done, answer) = oneshot::channel();
-        self.sender.send(Step { by, done }).await.map_err(|_| ControllerStopped)?;
+        self.sender
+            .send(Step { by, done })
+            .await
+            .map_err(|_| ControllerStopped)?;
         answer.await.map_err(|_| ControllerStopped)
     }
 
@@ -101,10 +113,15 @@ pub(crate) struct Stepping {
 impl Timekeeper {
     pub(crate) fn start(clock: Clock) -> Self {
         match clock.kind {
-            Kind::Running { scale } => Self::Running { origin: Instant::now(), scale },
-            Kind::Stepped { steps } => {
-                Self::Stepped(Stepping { steps, target: Duration::ZERO, done: None })
-            }
+            Kind::Running { scale } => Self::Running {
+                origin: Instant::now(),
+                scale,
+            },
+            Kind::Stepped { steps } => Self::Stepped(Stepping {
+                steps,
+                target: Duration::ZERO,
+                done: None,
+            }),
         }
     }
 

@@ -17,7 +17,10 @@ pub struct ProgramSource {
 impl ProgramSource {
     /// A program from its file name and source.
     pub fn new(name: impl Into<String>, text: impl Into<Vec<u8>>) -> Self {
-        Self { name: name.into(), text: text.into() }
+        Self {
+            name: name.into(),
+            text: text.into(),
+        }
     }
 }
 

@@ -64,9 +64,13 @@ impl Controller {
     /// # Errors
     /// A program that is missing, too long, or not correct; start joints outside of the limits.
     pub fn try_new(config: &ControllerConfig) -> Result<Self, StartError> {
-        config.model.check_limits(&config.start_joints).map_err(|violations| {
-            StartError::StartJoints { model: config.model.name().to_owned(), violations }
-        })?;
+        config
+            .model
+            .check_limits(&config.start_joints)
+            .map_err(|violations| StartError::StartJoints {
+                model: config.model.name().to_owned(),
+                violations,
+            })?;
         let limits = config.limits;
         let mut machine = Machine::new(karel::Limits::default());
         let names = load(&mut machine, &config.programs, limits)?;
@@ -81,12 +85,22 @@ impl Controller {
                 name: name.clone(),
                 reason: error.to_string(),
             })?;
-            tasks.push(Task { id, phase: Phase::Ready, share: 0, period: Duration::ZERO });
+            tasks.push(Task {
+                id,
+                phase: Phase::Ready,
+                share: 0,
+                period: Duration::ZERO,
+            });
         }
         for task in &mut tasks {
             task.share = limits.instructions_per_ms;
         }
-        Ok(Self { machine, hardware: Hardware::new(config), tasks, limits })
+        Ok(Self {
+            machine,
+            hardware: Hardware::new(config),
+            tasks,
+            limits,
+        })
     }
 
     /// Controller time since power-on.
@@ -155,7 +169,7 @@ impl Controller {
     pub fn abort_all(&mut self) {
         for task in &mut self.tasks {
             if !matches!(task.phase, Phase::Over) {
-                let _aborted = self.machine.abort(task.id, &mut self.hardware);
+                self.machine.abort(task.id, &mut self.hardware);
                 self.hardware.release_ports(task.id);
                 task.phase = Phase::Over;
             }
@@ -163,7 +177,8 @@ impl Controller {
         self.hardware.close_connections();
         self.hardware.stop_arm();
         let text = "All tasks were aborted by the operator".to_owned();
-        self.hardware.post(karel::Status::new(24, 999), text, Severity::Warn);
+        self.hardware
+            .post(karel::Status::new(24, 999), text, Severity::Warn);
     }
 
     /// RESET: no alarm is active any more.
@@ -215,7 +230,10 @@ impl Controller {
         let joints = hardware.executor.joints(hardware.now);
         // Without usable frames, the flange in the world is what there is to show.
         let (frame, tool) = hardware.frames().unwrap_or_default();
-        let pose = hardware.planner.pose(&joints, &frame, &tool).unwrap_or_default();
+        let pose = hardware
+            .planner
+            .pose(&joints, &frame, &tool)
+            .unwrap_or_default();
         State {
             controller: hardware.name.to_string(),
             model: model.name().to_owned(),
@@ -226,7 +244,11 @@ impl Controller {
                 .map(|axis| {
                     let limits = model.limits(axis);
                     let joint = axis.to_string();
-                    JointLimit { joint, min_deg: limits.min.0, max_deg: limits.max.0 }
+                    JointLimit {
+                        joint,
+                        min_deg: limits.min.0,
+                        max_deg: limits.max.0,
+                    }
                 })
                 .collect(),
             pose,
@@ -234,7 +256,11 @@ impl Controller {
             moving: hardware.executor.is_moving(),
             override_percent: hardware.override_percent,
             motion_queue: hardware.executor.queued(),
-            tasks: self.tasks.iter().filter_map(|task| self.task_state(task)).collect(),
+            tasks: self
+                .tasks
+                .iter()
+                .filter_map(|task| self.task_state(task))
+                .collect(),
             tags: hardware
                 .tags
                 .iter()
@@ -290,7 +316,9 @@ impl Controller {
 
     fn run_slice(&mut self, index: usize) -> bool {
         let now = self.hardware.now;
-        let Some(task) = self.tasks.get_mut(index) else { return false };
+        let Some(task) = self.tasks.get_mut(index) else {
+            return false;
+        };
         if !matches!(task.phase, Phase::Ready) {
             return false;
         }
@@ -345,7 +373,10 @@ fn load(
         return Err(StartError::NoProgram);
     }
     if programs.len() > limits.programs {
-        return Err(StartError::TooManyPrograms { count: programs.len(), limit: limits.programs });
+        return Err(StartError::TooManyPrograms {
+            count: programs.len(),
+            limit: limits.programs,
+        });
     }
     let mut names = Vec::new();
     for ProgramSource { name: file, text } in programs {

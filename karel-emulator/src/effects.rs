@@ -134,7 +134,10 @@ mod tests {
     #[test]
     fn tags_read_as_programs_write_them() {
         assert_eq!(Tag::parse("S3").map(Tag::number), Some(3));
-        assert_eq!(Tag::parse("s8:").map(|t| t.to_string()).as_deref(), Some("S8:"));
+        assert_eq!(
+            Tag::parse("s8:").map(|t| t.to_string()).as_deref(),
+            Some("S8:")
+        );
         for wrong in ["S0", "S9:", "C3:", "S", "3", "S3:x", ""] {
             assert_eq!(Tag::parse(wrong), None, "{wrong:?}");
         }

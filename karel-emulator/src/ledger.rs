@@ -20,7 +20,14 @@ pub struct JointsDeg {
 
 impl From<[f64; 6]> for JointsDeg {
     fn from([j1, j2, j3, j4, j5, j6]: [f64; 6]) -> Self {
-        Self { j1, j2, j3, j4, j5, j6 }
+        Self {
+            j1,
+            j2,
+            j3,
+            j4,
+            j5,
+            j6,
+        }
     }
 }
 
@@ -118,7 +125,12 @@ impl Ledger {
     /// An empty ledger that keeps the newest `capacity` entries.
     #[must_use]
     pub fn new(capacity: usize) -> Self {
-        Self { entries: VecDeque::new(), capacity, dropped: 0, last_seq: 0 }
+        Self {
+            entries: VecDeque::new(),
+            capacity,
+            dropped: 0,
+            last_seq: 0,
+        }
     }
 
     /// Appends an entry; its number is set here.
@@ -153,7 +165,10 @@ impl Ledger {
 /// Controller time as the ledger writes it: seconds with microseconds, so that equal runs are equal byte for byte.
 #[must_use]
 pub(crate) fn seconds(time: Duration) -> f64 {
-    #[expect(clippy::cast_precision_loss, reason = "exact up to 2^53 microseconds, 285 years")]
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "exact up to 2^53 microseconds, 285 years"
+    )]
     let micros = time.as_micros() as f64;
     micros / 1e6
 }
@@ -205,6 +220,9 @@ mod tests {
     #[test]
     fn an_entry_survives_json() {
         let json = serde_json::to_string(&entry(7)).unwrap();
-        assert_eq!(serde_json::from_str::<LedgerEntry>(&json).unwrap(), entry(7));
+        assert_eq!(
+            serde_json::from_str::<LedgerEntry>(&json).unwrap(),
+            entry(7)
+        );
     }
 }

@@ -72,7 +72,13 @@ impl ServerTag {
     /// An idle tag.
     #[must_use]
     pub fn new(tag: Tag) -> Self {
-        Self { tag, state: TagState::Idle, task: None, port: None, last_failure: None }
+        Self {
+            tag,
+            state: TagState::Idle,
+            task: None,
+            port: None,
+            last_failure: None,
+        }
     }
 
     /// The connection, whether the task has noticed it or not.
@@ -99,7 +105,9 @@ impl ServerTag {
             TagState::Idle | TagState::Failed(_) => None,
             TagState::Waiting => Some(Effect::StopAccepting { tag }),
             TagState::Accepted(connection) | TagState::Connected(connection) => {
-                Some(Effect::Close { connection: connection.id })
+                Some(Effect::Close {
+                    connection: connection.id,
+                })
             }
         }
     }

@@ -50,8 +50,9 @@ impl VirtualController {
                 let router = panel::router(lines.commands.clone());
                 let stopped = stop.clone().cancelled_owned();
                 let _task = tracker.spawn(async move {
-                    let served =
-                        axum::serve(listener, router).with_graceful_shutdown(stopped).await;
+                    let served = axum::serve(listener, router)
+                        .with_graceful_shutdown(stopped)
+                        .await;
                     if let Err(error) = served {
                         tracing::warn!(%error, "The panel stopped.");
                     }
@@ -61,7 +62,12 @@ impl VirtualController {
         };
         let _task = tracker.spawn(driver.run());
         let _first = tracker.close();
-        Ok(Self { lines, panel, stop, tracker })
+        Ok(Self {
+            lines,
+            panel,
+            stop,
+            tracker,
+        })
     }
 
     /// Where a port of the program is on this machine. Waits until a program has opened it.
@@ -70,8 +76,13 @@ impl VirtualController {
     /// The controller stopped.
     pub async fn address_of_port(&self, port: u16) -> Result<SocketAddr, ControllerStopped> {
         let mut addresses = self.lines.addresses.clone();
-        let found = addresses.wait_for(|addresses| addresses.contains_key(&port)).await;
-        found.ok().and_then(|addresses| addresses.get(&port).copied()).ok_or(ControllerStopped)
+        let found = addresses
+            .wait_for(|addresses| addresses.contains_key(&port))
+            .await;
+        found
+            .ok()
+            .and_then(|addresses| addresses.get(&port).copied())
+            .ok_or(ControllerStopped)
     }
 
     /// Where the panel is.
@@ -169,7 +180,10 @@ pub(crate) async fn ask<T>(
     command: impl FnOnce(oneshot::Sender<T>) -> Command,
 ) -> Result<T, ControllerStopped> {
     let (sender, answer) = oneshot::channel();
-    commands.send(command(sender)).await.map_err(|_| ControllerStopped)?;
+    commands
+        .send(command(sender))
+        .await
+        .map_err(|_| ControllerStopped)?;
     answer.await.map_err(|_| ControllerStopped)
 }
 
@@ -194,9 +208,7 @@ fn check_exposure(config: &ControllerConfig) -> Result<(), StartError> {
     }
 }
 
-fn open_panel(
-    address: SocketAddr,
-) -> Result<(tokio::net::TcpListener, SocketAddr), StartError> {
+fn open_panel(address: SocketAddr) -> Result<(tokio::net::TcpListener, SocketAddr), StartError> {
     let open = || {
         let listener = StdListener::bind(address)?;
         listener.set_nonblocking(true)?;

@@ -45,7 +45,13 @@ impl Live {
         if let Err(error) = stream.set_nodelay(true) {
             tracing::debug!(%peer, %error, "TCP_NODELAY could not be set.");
         }
-        Self { stream, peer, outbox: VecDeque::new(), deaf: false, lost: false }
+        Self {
+            stream,
+            peer,
+            outbox: VecDeque::new(),
+            deaf: false,
+            lost: false,
+        }
     }
 
     /// Queues the bytes of one WRITE; [`Self::flush`] sends them.
@@ -65,8 +71,7 @@ impl Live {
                         let _sent = self.outbox.pop_front();
                     }
                 }
-                Err(error) if error.kind() == io::ErrorKind::WouldBlock => break,
-                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) if is_passing(&error) => break,
                 Err(_) => return self.lose(),
             }
         }
@@ -104,7 +109,7 @@ impl Live {
                     }
                     return Poll::Ready(Report::Sent(count));
                 }
-                Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
+                Err(error) if is_passing(&error) => {}
                 Err(_) => return self.lose().map_or(Poll::Pending, Poll::Ready),
             }
         }
@@ -138,10 +143,8 @@ impl Live {
                 buffer.truncate(count);
                 Some(Report::Bytes(buffer))
             }
-            Err(error) => match error.kind() {
-                io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted => None,
-                _ => self.lose(),
-            },
+            Err(error) if is_passing(&error) => None,
+            Err(_) => self.lose(),
         }
     }
 
@@ -188,4 +191,12 @@ impl Live {
             () = stop.cancelled() => {}
         }
     }
+}
+
+/// Not now, but later.
+fn is_passing(error: &io::Error) -> bool {
+    matches!(
+        error.kind(),
+        io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted
+    )
 }

@@ -35,7 +35,10 @@ pub(crate) const COMMAND_QUEUE: usize = 64;
 #[derive(Debug)]
 pub(crate) enum Command {
     State(oneshot::Sender<State>),
-    Ledger { after: u64, answer: oneshot::Sender<Page<LedgerEntry>> },
+    Ledger {
+        after: u64,
+        answer: oneshot::Sender<Page<LedgerEntry>>,
+    },
     Alarms(oneshot::Sender<Page<Alarm>>),
     Screen(oneshot::Sender<Vec<String>>),
     AbortAll(oneshot::Sender<()>),
@@ -82,8 +85,22 @@ impl Driver {
         let (address_sender, addresses) = watch::channel(BTreeMap::new());
         let (state, state_receiver) = watch::channel(core.state());
         let net = Net::start(config, labels, address_sender, tracker, stop.clone())?;
-        let driver = Self { core, net, time: Timekeeper::start(clock), commands, state, stop };
-        Ok((driver, Lines { commands: command_sender, addresses, state: state_receiver }))
+        let driver = Self {
+            core,
+            net,
+            time: Timekeeper::start(clock),
+            commands,
+            state,
+            stop,
+        };
+        Ok((
+            driver,
+            Lines {
+                commands: command_sender,
+                addresses,
+                state: state_receiver,
+            },
+        ))
     }
 
     /// Runs the controller until it is stopped.
@@ -93,9 +110,19 @@ impl Driver {
         loop {
             let behind = self.work();
             let _previous = self.state.send_replace(self.core.state());
-            let wake = self.core.next_wake().and_then(|time| self.time.instant_of(time));
+            let wake = self
+                .core
+                .next_wake()
+                .and_then(|time| self.time.instant_of(time));
             let stepping = matches!(&self.time, Timekeeper::Stepped(s) if s.done.is_some());
-            let Self { core, net, time, commands, stop, .. } = &mut self;
+            let Self {
+                core,
+                net,
+                time,
+                commands,
+                stop,
+                ..
+            } = &mut self;
             tokio::select! {
                 biased;
                 () = stop.cancelled() => break,
@@ -175,8 +202,10 @@ impl Driver {
                 answer.send(page).map_err(drop)
             }
             Command::Alarms(answer) => {
-                let page =
-                    Page { entries: self.core.alarms(), dropped: self.core.alarms_dropped() };
+                let page = Page {
+                    entries: self.core.alarms(),
+                    dropped: self.core.alarms_dropped(),
+                };
                 answer.send(page).map_err(drop)
             }
             Command::Screen(answer) => answer.send(self.core.screen()).map_err(drop),

@@ -127,7 +127,9 @@ impl Net {
             return Poll::Ready(event);
         }
         for tag in Tag::all() {
-            let Some(listener) = self.accepting_on(tag).and_then(Port::listener) else { continue };
+            let Some(listener) = self.accepting_on(tag).and_then(Port::listener) else {
+                continue;
+            };
             if let Poll::Ready(result) = listener.poll_accept(cx) {
                 return Poll::Ready(self.accepted(tag, result));
             }
@@ -146,7 +148,9 @@ impl Net {
             return Some(event);
         }
         for tag in Tag::all() {
-            let Some(listener) = self.accepting_on(tag).and_then(Port::listener) else { continue };
+            let Some(listener) = self.accepting_on(tag).and_then(Port::listener) else {
+                continue;
+            };
             match accept_now(&SockRef::from(listener)) {
                 Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
                 result => return Some(self.accepted(tag, result)),
@@ -166,7 +170,11 @@ impl Net {
     }
 
     fn accept(&mut self, tag: Tag, program_port: u16) -> Result<(), String> {
-        if self.tags.get(&tag).is_some_and(|open| open.port != program_port) {
+        if self
+            .tags
+            .get(&tag)
+            .is_some_and(|open| open.port != program_port)
+        {
             self.close_port(tag);
         }
         let other = self.tags.iter().find(|(other, open)| {
@@ -184,23 +192,35 @@ impl Net {
             SecondClient::Refuse => 1,
         };
         let address = port.open(backlog).map_err(|error| {
-            format!("Port {} for {tag} cannot be opened: {error}", port.host_port())
+            format!("Port {} for {tag} cannot be opened: {error}", port.number())
         })?;
-        let _previous =
-            self.tags.insert(tag, TagPort { port: program_port, accepting: true });
-        let _changed = self.addresses.send_if_modified(|addresses| {
-            addresses.insert(program_port, address) != Some(address)
-        });
+        let _previous = self.tags.insert(
+            tag,
+            TagPort {
+                port: program_port,
+                accepting: true,
+            },
+        );
+        let _changed = self
+            .addresses
+            .send_if_modified(|addresses| addresses.insert(program_port, address) != Some(address));
         Ok(())
     }
 
     fn is_open(&self, tag: Tag) -> bool {
-        let port = self.tags.get(&tag).and_then(|open| self.ports.get(&open.port));
+        let port = self
+            .tags
+            .get(&tag)
+            .and_then(|open| self.ports.get(&open.port));
         port.is_some_and(|port| port.listener().is_some())
     }
 
     fn close_port(&mut self, tag: Tag) {
-        if let Some(port) = self.tags.get(&tag).and_then(|open| self.ports.get_mut(&open.port)) {
+        if let Some(port) = self
+            .tags
+            .get(&tag)
+            .and_then(|open| self.ports.get_mut(&open.port))
+        {
             port.close();
         }
     }
@@ -217,7 +237,11 @@ impl Net {
                 self.last_connection += 1;
                 let connection = ConnectionId(self.last_connection);
                 let _new = self.connections.insert(connection, Live::new(stream, peer));
-                Event::Connected { tag, connection, peer }
+                Event::Connected {
+                    tag,
+                    connection,
+                    peer,
+                }
             }
             Err(error) => {
                 let reason = format!("Accepting a client on {tag} failed: {error}");
@@ -228,12 +252,15 @@ impl Net {
 
     fn note(&mut self, id: ConnectionId, report: Option<Report>) {
         if let (Some(report), Some(live)) = (report, self.connections.get(&id)) {
-            self.events.push_back(event_of(id, live.peer, report, &self.labels));
+            self.events
+                .push_back(event_of(id, live.peer, report, &self.labels));
         }
     }
 
     fn close(&mut self, connection: ConnectionId) {
-        let Some(live) = self.connections.remove(&connection) else { return };
+        let Some(live) = self.connections.remove(&connection) else {
+            return;
+        };
         match self.lingering.clone().try_acquire_owned() {
             Ok(permit) => {
                 let stop = self.stop.clone();
@@ -259,7 +286,11 @@ fn event_of(
     labels: &PeerLabels,
 ) -> Event {
     match report {
-        Report::Bytes(bytes) => Event::Bytes { connection, bytes, request_id: labels.get(peer) },
+        Report::Bytes(bytes) => Event::Bytes {
+            connection,
+            bytes,
+            request_id: labels.get(peer),
+        },
         Report::Sent(count) => Event::Sent { connection, count },
         Report::Closed => Event::PeerClosed { connection },
         Report::Lost => Event::PeerLost { connection },

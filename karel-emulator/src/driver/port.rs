@@ -13,7 +13,7 @@ use tokio::net::{TcpListener, TcpSocket};
 pub(super) struct Port {
     ip: IpAddr,
     /// As this machine names it; 0 before the first reservation of "any free port".
-    host_port: u16,
+    number: u16,
     door: Door,
 }
 
@@ -28,13 +28,17 @@ enum Door {
 }
 
 impl Port {
-    pub(super) fn new(ip: IpAddr, host_port: u16) -> Self {
-        Self { ip, host_port, door: Door::Unbound }
+    pub(super) fn new(ip: IpAddr, number: u16) -> Self {
+        Self {
+            ip,
+            number,
+            door: Door::Unbound,
+        }
     }
 
     /// The port as this machine names it.
-    pub(super) fn host_port(&self) -> u16 {
-        self.host_port
+    pub(super) fn number(&self) -> u16 {
+        self.number
     }
 
     /// Makes the port ours.
@@ -46,8 +50,8 @@ impl Port {
             }?;
             // Connections of a moment ago keep the port in TIME_WAIT; the next client need not wait for them.
             socket.set_reuseaddr(true)?;
-            socket.bind(SocketAddr::new(self.ip, self.host_port))?;
-            self.host_port = socket.local_addr()?.port();
+            socket.bind(SocketAddr::new(self.ip, self.number))?;
+            self.number = socket.local_addr()?.port();
             self.door = Door::Reserved(socket);
         }
         Ok(())
@@ -60,7 +64,7 @@ impl Port {
             Door::Reserved(socket) => self.door = Door::Open(socket.listen(backlog)?),
             other @ (Door::Open(_) | Door::Unbound) => self.door = other,
         }
-        Ok(SocketAddr::new(self.ip, self.host_port))
+        Ok(SocketAddr::new(self.ip, self.number))
     }
 
     /// Refuses clients, and tries to keep the port ours.
@@ -69,7 +73,7 @@ impl Port {
             // A listening socket must be gone before its port can be bound again.
             self.door = Door::Unbound;
             if let Err(error) = self.reserve() {
-                tracing::warn!(port = self.host_port, %error, "A closed port could not be kept.");
+                tracing::warn!(port = self.number, %error, "A closed port could not be kept.");
             }
         }
     }

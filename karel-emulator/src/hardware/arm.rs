@@ -7,8 +7,8 @@ use units::MmPerSec;
 use super::{Hardware, MotionTag, Wake};
 use crate::ledger::{LedgerEntry, LedgerEvent, MotionKind, seconds};
 use crate::motion::planner::pose_of_target;
+use crate::motion::{Added, JointPath, Motion, MotionEnd, Outcome, Refusal};
 use crate::sysvars::codes::motype;
-use crate::motion::{JointPath, Motion, MotionEnd, Outcome, Refusal};
 
 /// MOTN-999: this controller does not simulate what the program asks for. A number of our own.
 const MOTN_NOT_SIMULATED: Status = Status::new(15, 999);
@@ -45,10 +45,10 @@ impl Hardware {
             .and_then(|()| speed.map_err(|status| Refusal::new(status, "$SPEED has no value")))
             .and_then(|speed| Ok((speed, self.solve(request)?)));
         match planned {
-            Ok((speed, to)) => Progress::Ready(Ok(self.enqueue(tag, to, MmPerSec(speed)))),
+            Ok((speed, to)) => Progress::Ready(Ok(self.enqueue(&tag, to, MmPerSec(speed)))),
             Err(refusal) => {
                 let status = refusal.status;
-                self.refuse(tag, &refusal);
+                self.refuse(&tag, &refusal);
                 let _replaced = self.refusals.insert(task, refusal);
                 Progress::Ready(Err(status))
             }
@@ -134,23 +134,28 @@ impl Hardware {
         self.planner.joints(&request.target, &frame, &tool)
     }
 
-    fn enqueue(&mut self, tag: MotionTag, to: PendantJoints, speed: MmPerSec) -> MotionId {
+    fn enqueue(&mut self, tag: &MotionTag, to: PendantJoints, speed: MmPerSec) -> MotionId {
         let id = tag.id;
         let path = JointPath::plan(self.planner.model(), self.executor.tail(), to, speed);
-        let started = match self.executor.add(self.now, Motion { path, tag }) {
-            Ok(started) => started.cloned(),
-            // `queue_motion` looked for room, and nothing happened in between.
-            Err(_) => None,
-        };
-        if let Some(tag) = started {
-            self.note_start(&tag);
+        match self.executor.add(
+            self.now,
+            Motion {
+                path,
+                tag: tag.clone(),
+            },
+        ) {
+            Added::Started => self.note_start(tag),
+            // `queue_motion` has looked for room.
+            Added::Waits | Added::NoRoom => {}
         }
         id
     }
 
     fn note_start(&mut self, tag: &MotionTag) {
         let rate = f64::from(self.override_percent) / 100.0;
-        let Some(path) = self.executor.current().map(|motion| motion.path.clone()) else { return };
+        let Some(path) = self.executor.current().map(|motion| motion.path.clone()) else {
+            return;
+        };
         let mut entry = self.entry(LedgerEvent::Started, tag, path.from());
         entry.to_deg = Some(path.to().degrees().into());
         entry.duration_s = Some(to_micros(path.duration() / rate));
@@ -176,7 +181,9 @@ impl Hardware {
         let mut entry = self.entry(event, tag, end.motion.path.from());
         entry.time_s = seconds(end.at);
         entry.to_deg = Some(end.joints.degrees().into());
-        entry.duration_s = end.started.map(|started| seconds(end.at.saturating_sub(started)));
+        entry.duration_s = end
+            .started
+            .map(|started| seconds(end.at.saturating_sub(started)));
         if end.outcome == Outcome::Cancelled {
             entry.alarm = Some("the motion was cancelled".to_owned());
         }
@@ -194,8 +201,8 @@ impl Hardware {
         self.wakes.extend([Wake::Motion(tag.id), Wake::MotionQueue]);
     }
 
-    fn refuse(&mut self, tag: MotionTag, refusal: &Refusal) {
-        let mut entry = self.entry(LedgerEvent::Refused, &tag, &self.executor.tail());
+    fn refuse(&mut self, tag: &MotionTag, refusal: &Refusal) {
+        let mut entry = self.entry(LedgerEvent::Refused, tag, &self.executor.tail());
         entry.alarm = Some(refusal.headline());
         self.ledger.push(entry);
     }
@@ -252,7 +259,10 @@ pub(super) fn only_group(group: i32) -> Result<(), Refusal> {
 }
 
 fn not_simulated(what: &str) -> Refusal {
-    Refusal::new(MOTN_NOT_SIMULATED, format!("{what} is not simulated yet, only JOINT is"))
+    Refusal::new(
+        MOTN_NOT_SIMULATED,
+        format!("{what} is not simulated yet, only JOINT is"),
+    )
 }
 
 fn to_micros(seconds: f64) -> f64 {

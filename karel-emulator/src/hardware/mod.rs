@@ -77,7 +77,6 @@ struct Origin {
 
 #[derive(Debug)]
 struct OpenFile {
-    tag: Tag,
     connection: ConnectionId,
     task: TaskId,
     cancelled: bool,

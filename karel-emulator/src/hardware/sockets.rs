@@ -5,9 +5,7 @@ use karel::{FileId, Input, InputEnd, OpenMode, Progress, Status, TaskId, Wait};
 use super::{Hardware, OpenFile, Origin, Wake};
 use crate::alarms::Severity;
 use crate::effects::{ConnectionId, Effect, Event, Tag};
-use crate::tags::{
-    Connection, FAILED_CONNECT_TIME, HOST_NOT_CONNECTED, ServerTag, TagState,
-};
+use crate::tags::{Connection, FAILED_CONNECT_TIME, HOST_NOT_CONNECTED, ServerTag, TagState};
 
 /// `$STATE` of a tag that programs may use.
 const TAG_STARTED: i32 = 3;
@@ -81,7 +79,10 @@ impl Hardware {
             return Err(Status::HOST_TAG);
         }
         let port = self.variables.integer(&format!("{root}.$SERVER_PORT"))?;
-        u16::try_from(port).ok().filter(|&port| port != 0).ok_or(Status::HOST_TAG)
+        u16::try_from(port)
+            .ok()
+            .filter(|&port| port != 0)
+            .ok_or(Status::HOST_TAG)
     }
 
     /// `MSG_DISCO`: harmless on an idle tag.
@@ -111,7 +112,11 @@ impl Hardware {
         }
         self.last_file += 1;
         let file = FileId(self.last_file);
-        let open = OpenFile { tag, connection, task, cancelled: false };
+        let open = OpenFile {
+            connection,
+            task,
+            cancelled: false,
+        };
         let _new = self.files.insert(file, open);
         Ok(file)
     }
@@ -130,7 +135,8 @@ impl Hardware {
             && Some(open.task) != running
         {
             open.cancelled = true;
-            self.wakes.extend([Wake::Readable(file), Wake::Writable(file)]);
+            self.wakes
+                .extend([Wake::Readable(file), Wake::Writable(file)]);
         }
         Status::OK
     }
@@ -143,8 +149,13 @@ impl Hardware {
     }
 
     pub(super) fn input_of(&self, file: FileId) -> Input<'_> {
-        let closed = |status| Input { bytes: &[], end: InputEnd::Closed(status) };
-        let Some(open) = self.files.get(&file) else { return closed(Status::INTP_NOT_OPEN) };
+        let closed = |status| Input {
+            bytes: &[],
+            end: InputEnd::Closed(status),
+        };
+        let Some(open) = self.files.get(&file) else {
+            return closed(Status::INTP_NOT_OPEN);
+        };
         if open.cancelled {
             return closed(Status::INTP_READ_FAILED);
         }
@@ -158,11 +169,20 @@ impl Hardware {
     }
 
     pub(super) fn consume_input(&mut self, file: FileId, count: usize) {
-        let Some(OpenFile { connection, task, .. }) = self.files.get(&file) else { return };
+        let Some(OpenFile {
+            connection, task, ..
+        }) = self.files.get(&file)
+        else {
+            return;
+        };
         let (id, task) = (*connection, *task);
-        let Some(connection) = self.connection_mut(id) else { return };
-        let origin =
-            Origin { peer: Some(connection.peer), request_id: connection.request_id.clone() };
+        let Some(connection) = self.connection_mut(id) else {
+            return;
+        };
+        let origin = Origin {
+            peer: Some(connection.peer),
+            request_id: connection.request_id.clone(),
+        };
         let count = count.min(connection.received.len());
         drop(connection.received.drain(..count));
         let _previous = self.origins.insert(task, origin);
@@ -190,14 +210,21 @@ impl Hardware {
             return Progress::Pending(Wait::Writable(file));
         }
         connection.unsent += bytes.len();
-        self.effects.push(Effect::Send { connection: id, bytes: bytes.to_vec() });
+        self.effects.push(Effect::Send {
+            connection: id,
+            bytes: bytes.to_vec(),
+        });
         Progress::Ready(Status::OK)
     }
 
     /// Something happened on a socket.
     pub(crate) fn socket_event(&mut self, event: Event) {
         match event {
-            Event::Connected { tag, connection, peer } => self.accept(tag, connection, peer),
+            Event::Connected {
+                tag,
+                connection,
+                peer,
+            } => self.accept(tag, connection, peer),
             Event::ListenFailed { tag, reason } => {
                 if let Some(slot) = self.slot(tag)
                     && matches!(slot.state, TagState::Waiting)
@@ -206,7 +233,11 @@ impl Hardware {
                     self.wakes.push(Wake::Connect(tag));
                 }
             }
-            Event::Bytes { connection, bytes, request_id } => {
+            Event::Bytes {
+                connection,
+                bytes,
+                request_id,
+            } => {
                 if let Some(open) = self.connection_mut(connection) {
                     tracing::debug!(
                         peer = %open.peer, request_id = request_id.as_deref(), bytes = bytes.len(),
@@ -284,17 +315,24 @@ impl Hardware {
     }
 
     fn connection(&self, id: ConnectionId) -> Option<&Connection> {
-        self.tags.iter().filter_map(ServerTag::connection).find(|c| c.id == id)
+        self.tags
+            .iter()
+            .filter_map(ServerTag::connection)
+            .find(|c| c.id == id)
     }
 
     fn connection_mut(&mut self, id: ConnectionId) -> Option<&mut Connection> {
-        self.tags.iter_mut().filter_map(ServerTag::connection_mut).find(|c| c.id == id)
+        self.tags
+            .iter_mut()
+            .filter_map(ServerTag::connection_mut)
+            .find(|c| c.id == id)
     }
 
     fn wake_files(&mut self, connection: ConnectionId) {
         for (&file, open) in &self.files {
             if open.connection == connection {
-                self.wakes.extend([Wake::Readable(file), Wake::Writable(file)]);
+                self.wakes
+                    .extend([Wake::Readable(file), Wake::Writable(file)]);
             }
         }
     }

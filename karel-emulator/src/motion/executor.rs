@@ -25,6 +25,18 @@ pub enum Outcome {
     Cancelled,
 }
 
+/// What became of a motion that was added.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[must_use]
+pub enum Added {
+    /// The arm moves.
+    Started,
+    /// It waits behind the running motion.
+    Waits,
+    /// One waits already, or the arm is being stopped; see [`Executor::has_room`].
+    NoRoom,
+}
+
 /// A motion that is over.
 #[derive(Clone, Debug)]
 pub struct MotionEnd<T> {
@@ -64,14 +76,24 @@ enum Phase {
     /// Path time `path_s` was reached at `since`.
     Traveling { since: Duration, path_s: f64 },
     /// Braking on the path from `progress`, with `rate` (1/s) falling by `slope` (1/s²).
-    Stopping { since: Duration, progress: f64, rate: f64, slope: f64 },
+    Stopping {
+        since: Duration,
+        progress: f64,
+        rate: f64,
+        slope: f64,
+    },
 }
 
 impl<T> Executor<T> {
     /// An arm that stands still at `rest`, at an override of `rate` (0 to 1).
     #[must_use]
     pub fn new(rest: PendantJoints, rate: f64) -> Self {
-        Self { rest, rate, running: None, pending: None }
+        Self {
+            rest,
+            rate,
+            running: None,
+            pending: None,
+        }
     }
 
     /// Whether another motion may be added.
@@ -104,9 +126,9 @@ impl<T> Executor<T> {
     /// Where the arm is at `now`.
     #[must_use]
     pub fn joints(&self, now: Duration) -> PendantJoints {
-        self.running
-            .as_ref()
-            .map_or(self.rest, |running| running.motion.path.at(self.progress(running, now)))
+        self.running.as_ref().map_or(self.rest, |running| {
+            running.motion.path.at(self.progress(running, now))
+        })
     }
 
     /// The motion the arm is on.
@@ -115,19 +137,17 @@ impl<T> Executor<T> {
         self.running.as_ref().map(|running| &running.motion)
     }
 
-    /// Adds a motion. `Some(tag)` says that it started at once; otherwise it waits for its turn.
-    ///
-    /// # Errors
-    /// The motion itself, if one is waiting already ([`Self::has_room`]).
-    pub fn add(&mut self, now: Duration, motion: Motion<T>) -> Result<Option<&T>, Motion<T>> {
+    /// Adds a motion: it starts at once, waits for its turn, or finds no room and is dropped.
+    pub fn add(&mut self, now: Duration, motion: Motion<T>) -> Added {
         if !self.has_room() {
-            return Err(motion);
+            return Added::NoRoom;
         }
         if self.running.is_some() {
             self.pending = Some(motion);
-            return Ok(None);
+            return Added::Waits;
         }
-        Ok(self.start(now, motion))
+        let _tag = self.start(now, motion);
+        Added::Started
     }
 
     /// When the running motion ends, at the present override.
@@ -138,7 +158,9 @@ impl<T> Executor<T> {
             Phase::Traveling { since, path_s } => {
                 (since, (running.motion.path.duration() - path_s) / self.rate)
             }
-            Phase::Stopping { since, rate, slope, .. } => (since, rate / slope),
+            Phase::Stopping {
+                since, rate, slope, ..
+            } => (since, rate / slope),
         };
         Some(since.saturating_add(duration_from_secs_rounded_up(seconds)))
     }
@@ -151,9 +173,10 @@ impl<T> Executor<T> {
         let running = self.running.take()?;
         let (outcome, joints) = match running.phase {
             Phase::Traveling { .. } => (Outcome::Finished, *running.motion.path.to()),
-            Phase::Stopping { .. } => {
-                (Outcome::Cancelled, running.motion.path.at(self.progress(&running, at)))
-            }
+            Phase::Stopping { .. } => (
+                Outcome::Cancelled,
+                running.motion.path.at(self.progress(&running, at)),
+            ),
         };
         self.rest = joints;
         let end = MotionEnd {
@@ -164,7 +187,7 @@ impl<T> Executor<T> {
             joints,
         };
         let next = self.pending.take();
-        let started = next.and_then(|motion| self.start(at, motion));
+        let started = next.map(|motion| self.start(at, motion));
         Some((end, started))
     }
 
@@ -197,25 +220,46 @@ impl<T> Executor<T> {
         }
         let motion = self.pending.take()?;
         let joints = self.joints(now);
-        Some(MotionEnd { motion, outcome: Outcome::Cancelled, at: now, started: None, joints })
+        Some(MotionEnd {
+            motion,
+            outcome: Outcome::Cancelled,
+            at: now,
+            started: None,
+            joints,
+        })
     }
 
     fn is_stopping(&self) -> bool {
-        self.running.as_ref().is_some_and(|r| matches!(r.phase, Phase::Stopping { .. }))
+        self.running
+            .as_ref()
+            .is_some_and(|r| matches!(r.phase, Phase::Stopping { .. }))
     }
 
-    fn start(&mut self, now: Duration, motion: Motion<T>) -> Option<&T> {
-        let phase = Phase::Traveling { since: now, path_s: 0.0 };
-        let running = self.running.insert(Running { motion, started: now, phase });
-        Some(&running.motion.tag)
+    fn start(&mut self, now: Duration, motion: Motion<T>) -> &T {
+        let phase = Phase::Traveling {
+            since: now,
+            path_s: 0.0,
+        };
+        let running = self.running.insert(Running {
+            motion,
+            started: now,
+            phase,
+        });
+        &running.motion.tag
     }
 
     fn progress(&self, running: &Running<T>, now: Duration) -> f64 {
         match running.phase {
-            Phase::Traveling { since, path_s } => {
-                running.motion.path.progress(path_s + seconds_between(since, now) * self.rate)
-            }
-            Phase::Stopping { since, progress, rate, slope } => {
+            Phase::Traveling { since, path_s } => running
+                .motion
+                .path
+                .progress(path_s + seconds_between(since, now) * self.rate),
+            Phase::Stopping {
+                since,
+                progress,
+                rate,
+                slope,
+            } => {
                 let t = seconds_between(since, now).min(rate / slope);
                 (progress + rate * t - 0.5 * slope * t * t).min(1.0)
             }
@@ -226,3 +270,7 @@ impl<T> Executor<T> {
 fn seconds_between(earlier: Duration, later: Duration) -> f64 {
     later.saturating_sub(earlier).as_secs_f64()
 }
+
+#[cfg(test)]
+#[path = "executor_tests.rs"]
+mod tests;

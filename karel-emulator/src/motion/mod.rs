@@ -8,7 +8,7 @@ pub mod path;
 pub mod planner;
 pub mod profile;
 
-pub use executor::{Executor, Motion, MotionEnd, Outcome};
+pub use executor::{Added, Executor, Motion, MotionEnd, Outcome};
 pub use path::JointPath;
 pub use planner::{Planner, Refusal};
 pub use profile::Profile;

@@ -29,12 +29,7 @@ impl JointPath {
     ///
     /// Maximum accelerations are those of the model, not scaled by the speed.
     #[must_use]
-    pub fn plan(
-        model: &ArmModel,
-        from: PendantJoints,
-        to: PendantJoints,
-        speed: MmPerSec,
-    ) -> Self {
+    pub fn plan(model: &ArmModel, from: PendantJoints, to: PendantJoints, speed: MmPerSec) -> Self {
         let fraction = speed.0 / SPEED_LIMIT.0;
         let mut rate = f64::INFINITY;
         let mut acceleration = f64::INFINITY;
@@ -45,7 +40,11 @@ impl JointPath {
                 acceleration = acceleration.min(model.max_acceleration(axis).0 / travel);
             }
         }
-        Self { from, to, profile: Profile::try_new(rate, acceleration) }
+        Self {
+            from,
+            to,
+            profile: Profile::try_new(rate, acceleration),
+        }
     }
 
     /// Where the motion starts.
@@ -63,7 +62,9 @@ impl JointPath {
     /// Path time from start to standstill, s, at 100 % override.
     #[must_use]
     pub fn duration(&self) -> f64 {
-        self.profile.map_or(0.0, |p| p.duration()).max(INTERPOLATION_PERIOD_S)
+        self.profile
+            .map_or(0.0, |p| p.duration())
+            .max(INTERPOLATION_PERIOD_S)
     }
 
     /// Progress 0 to 1 at path time `t`, s.

@@ -21,7 +21,10 @@ pub struct Refusal {
 impl Refusal {
     /// A refusal with this status and this reason.
     pub fn new(status: Status, text: impl Into<String>) -> Self {
-        Self { status, text: text.into() }
+        Self {
+            status,
+            text: text.into(),
+        }
     }
 
     /// `MOTN-017 text`.
@@ -63,18 +66,27 @@ impl Planner {
         if let Some(axis) = target.ext.iter().position(|&value| value != 0.0) {
             return Err(Refusal::new(
                 Status::MOTN_UNREACHABLE,
-                format!("the position uses the extended axis E{}, this arm has none", axis + 1),
+                format!(
+                    "the position uses the extended axis E{}, this arm has none",
+                    axis + 1
+                ),
             ));
         }
         let unreachable = |what: &str, error: &PoseError| {
-            Refusal::new(Status::MOTN_UNREACHABLE, format!("{what} is not a pose: {error}"))
+            Refusal::new(
+                Status::MOTN_UNREACHABLE,
+                format!("{what} is not a pose: {error}"),
+            )
         };
         let frames = frames(user_frame, tool).map_err(|(what, error)| unreachable(what, &error))?;
         let tcp = pose(&Position::from(*target)).map_err(|e| unreachable("the position", &e))?;
         let flange = frames.flange_in_world(&tcp);
         let wanted = Seed::InConfiguration(configuration(target.config));
-        let joints =
-            self.model.inverse(&flange, wanted).map_err(|error| ik_refusal(&error))?.joints;
+        let joints = self
+            .model
+            .inverse(&flange, wanted)
+            .map_err(|error| ik_refusal(&error))?
+            .joints;
         // The second look costs nothing and does not trust the first.
         self.model.check_limits(&joints).map_err(|violations| {
             Refusal::new(Status::MOTN_LIMIT, format!("Limit error: {violations}"))
@@ -93,12 +105,26 @@ impl Planner {
         tool: &Position,
     ) -> Result<XyzwprExt, Refusal> {
         let frames = frames(user_frame, tool).map_err(|(what, error)| {
-            Refusal::new(Status::MOTN_UNREACHABLE, format!("{what} is not a pose: {error}"))
+            Refusal::new(
+                Status::MOTN_UNREACHABLE,
+                format!("{what} is not a pose: {error}"),
+            )
         })?;
-        let tcp = frames.tcp_in_user_frame(&self.model.forward(joints)).xyzwpr();
+        let tcp = frames
+            .tcp_in_user_frame(&self.model.forward(joints))
+            .xyzwpr();
         let [x, y, z, w, p, r] = components(&tcp).map(to_f32);
         let config = karel_config(self.model.configuration(joints));
-        Ok(XyzwprExt { x, y, z, w, p, r, config, ext: [0.0; 3] })
+        Ok(XyzwprExt {
+            x,
+            y,
+            z,
+            w,
+            p,
+            r,
+            config,
+            ext: [0.0; 3],
+        })
     }
 
     /// As [`Self::position`], in full precision, for the panel.
@@ -110,33 +136,50 @@ impl Planner {
         tool: &Position,
     ) -> Option<PoseMmDeg> {
         let frames = frames(user_frame, tool).ok()?;
-        let tcp = frames.tcp_in_user_frame(&self.model.forward(joints)).xyzwpr();
+        let tcp = frames
+            .tcp_in_user_frame(&self.model.forward(joints))
+            .xyzwpr();
         let [x_mm, y_mm, z_mm, w_deg, p_deg, r_deg] = components(&tcp);
-        Some(PoseMmDeg { x_mm, y_mm, z_mm, w_deg, p_deg, r_deg })
+        Some(PoseMmDeg {
+            x_mm,
+            y_mm,
+            z_mm,
+            w_deg,
+            p_deg,
+            r_deg,
+        })
     }
 }
 
 /// A position as the ledger writes it.
 #[must_use]
 pub fn pose_of_target(target: &XyzwprExt) -> PoseMmDeg {
-    let XyzwprExt { x, y, z, w, p, r, .. } = *target;
+    let XyzwprExt {
+        x, y, z, w, p, r, ..
+    } = *target;
     let [x_mm, y_mm, z_mm, w_deg, p_deg, r_deg] = [x, y, z, w, p, r].map(f64::from);
-    PoseMmDeg { x_mm, y_mm, z_mm, w_deg, p_deg, r_deg }
-}
-
-fn ik_refusal(error: &IkError) -> Refusal {
-    match error {
-        IkError::JointLimit { violations, .. } => {
-            Refusal::new(Status::MOTN_LIMIT, format!("Limit error: {violations}"))
-        }
-        other => Refusal::new(Status::MOTN_UNREACHABLE, format!("Position not reachable: {other}")),
+    PoseMmDeg {
+        x_mm,
+        y_mm,
+        z_mm,
+        w_deg,
+        p_deg,
+        r_deg,
     }
 }
 
-fn frames(
-    user_frame: &Position,
-    tool: &Position,
-) -> Result<Frames, (&'static str, PoseError)> {
+fn ik_refusal(error: &IkError) -> Refusal {
+    if let IkError::JointLimit { violations, .. } = error {
+        Refusal::new(Status::MOTN_LIMIT, format!("Limit error: {violations}"))
+    } else {
+        Refusal::new(
+            Status::MOTN_UNREACHABLE,
+            format!("Position not reachable: {error}"),
+        )
+    }
+}
+
+fn frames(user_frame: &Position, tool: &Position) -> Result<Frames, (&'static str, PoseError)> {
     Ok(Frames {
         user_frame: pose(user_frame).map_err(|error| ("$UFRAME", error))?,
         tool: pose(tool).map_err(|error| ("$UTOOL", error))?,
@@ -144,10 +187,19 @@ fn frames(
 }
 
 fn pose(position: &Position) -> Result<Pose, PoseError> {
-    let Position { x, y, z, w, p, r, .. } = *position;
+    let Position {
+        x, y, z, w, p, r, ..
+    } = *position;
     let mm = |value: f32| Millimeters(f64::from(value));
     let deg = |value: f32| Degrees(f64::from(value));
-    Pose::try_from_xyzwpr(&Xyzwpr { x: mm(x), y: mm(y), z: mm(z), w: deg(w), p: deg(p), r: deg(r) })
+    Pose::try_from_xyzwpr(&Xyzwpr {
+        x: mm(x),
+        y: mm(y),
+        z: mm(z),
+        w: deg(w),
+        p: deg(p),
+        r: deg(r),
+    })
 }
 
 fn components(pose: &Xyzwpr) -> [f64; 6] {

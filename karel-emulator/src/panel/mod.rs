@@ -40,7 +40,10 @@ struct List<T> {
 
 impl<T> From<Page<T>> for List<T> {
     fn from(page: Page<T>) -> Self {
-        Self { dropped: page.dropped, entries: page.entries }
+        Self {
+            dropped: page.dropped,
+            entries: page.entries,
+        }
     }
 }
 
@@ -83,11 +86,17 @@ async fn not_found(request: Request) -> Response {
 
 /// A page of another origin must not read the panel through a name that it points to this machine.
 async fn only_local_names(request: Request, next: Next) -> Response {
-    let host = request.headers().get(header::HOST).and_then(|host| host.to_str().ok());
+    let host = request
+        .headers()
+        .get(header::HOST)
+        .and_then(|host| host.to_str().ok());
     if host.is_some_and(is_local_name) {
         next.run(request).await
     } else {
-        problem(StatusCode::FORBIDDEN, "the panel answers to loopback names only")
+        problem(
+            StatusCode::FORBIDDEN,
+            "the panel answers to loopback names only",
+        )
     }
 }
 
@@ -97,7 +106,9 @@ fn is_local_name(host: &str) -> bool {
         None => host.split(':').next().unwrap_or_default(),
     };
     name.eq_ignore_ascii_case("localhost")
-        || name.parse::<std::net::IpAddr>().is_ok_and(|ip| ip.is_loopback())
+        || name
+            .parse::<std::net::IpAddr>()
+            .is_ok_and(|ip| ip.is_loopback())
 }
 
 /// An error as `application/problem+json`.
@@ -123,10 +134,22 @@ mod tests {
 
     #[test]
     fn only_loopback_names_are_local() {
-        for name in ["localhost", "LOCALHOST:8081", "127.0.0.1", "127.0.0.1:8081", "[::1]:8081"] {
+        for name in [
+            "localhost",
+            "LOCALHOST:8081",
+            "127.0.0.1",
+            "127.0.0.1:8081",
+            "[::1]:8081",
+        ] {
             assert!(is_local_name(name), "{name}");
         }
-        for name in ["evil.example", "127.0.0.1.evil.example:80", "10.0.0.1", "", "[fe80::1]"] {
+        for name in [
+            "evil.example",
+            "127.0.0.1.evil.example:80",
+            "10.0.0.1",
+            "",
+            "[fe80::1]",
+        ] {
             assert!(!is_local_name(name), "{name}");
         }
     }

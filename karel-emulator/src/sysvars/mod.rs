@@ -88,9 +88,11 @@ impl SystemVariables {
         let variable = self.find(path)?;
         match variable.source {
             Source::Live(live) => Ok(Reading::Live(live)),
-            Source::Stored => {
-                variable.value.clone().map(Reading::Value).ok_or(Status::INTP_UNINIT)
-            }
+            Source::Stored => variable
+                .value
+                .clone()
+                .map(Reading::Value)
+                .ok_or(Status::INTP_UNINIT),
         }
     }
 
@@ -100,7 +102,10 @@ impl SystemVariables {
     /// An unknown name, a bad subscript, a wrong type, a value out of range, or a variable that cannot be written.
     pub fn set(&mut self, path: &SysPath, value: SysValue) -> Result<(), Status> {
         let kind = match self.find(path)? {
-            Variable { source: Source::Live(_), .. } => return Err(VARS_READ_ONLY),
+            Variable {
+                source: Source::Live(_),
+                ..
+            } => return Err(VARS_READ_ONLY),
             Variable { kind, .. } => *kind,
         };
         let value = match value {
@@ -118,9 +123,10 @@ impl SystemVariables {
     /// # Errors
     /// It has no value.
     pub fn integer(&self, path: &str) -> Result<i32, Status> {
-        match self.value(path)? {
-            Value::Integer(value) => Ok(*value),
-            _ => Err(Status::VARS_TYPE),
+        if let Value::Integer(value) = self.value(path)? {
+            Ok(*value)
+        } else {
+            Err(Status::VARS_TYPE)
         }
     }
 
@@ -129,9 +135,10 @@ impl SystemVariables {
     /// # Errors
     /// It has no value.
     pub fn real(&self, path: &str) -> Result<f32, Status> {
-        match self.value(path)? {
-            Value::Real(value) => Ok(*value),
-            _ => Err(Status::VARS_TYPE),
+        if let Value::Real(value) = self.value(path)? {
+            Ok(*value)
+        } else {
+            Err(Status::VARS_TYPE)
         }
     }
 
@@ -140,9 +147,10 @@ impl SystemVariables {
     /// # Errors
     /// It has no value.
     pub fn position(&self, path: &str) -> Result<Position, Status> {
-        match self.value(path)? {
-            Value::Position(value) => Ok(*value),
-            _ => Err(Status::VARS_TYPE),
+        if let Value::Position(value) = self.value(path)? {
+            Ok(*value)
+        } else {
+            Err(Status::VARS_TYPE)
         }
     }
 
@@ -154,7 +162,9 @@ impl SystemVariables {
     fn find(&self, path: &SysPath) -> Result<&Variable, Status> {
         let key = canonical(path);
         self.variables.get(&key).ok_or_else(|| {
-            if self.shapes.contains(&shape_of(&key)) {
+            let shape = shape_of(&key);
+            let shape = shape.strip_prefix("$GROUP[].").unwrap_or(&shape);
+            if self.shapes.contains(shape) {
                 Status::VARS_INDEX
             } else {
                 Status::VARS_UNKNOWN
@@ -174,9 +184,16 @@ impl Kind {
     fn check(self, value: Value) -> Result<Value, Status> {
         match (self, value) {
             (Kind::Integer { min, max }, Value::Integer(n)) => {
-                if (min..=max).contains(&n) { Ok(Value::Integer(n)) } else { Err(VARS_RANGE) }
+                if (min..=max).contains(&n) {
+                    Ok(Value::Integer(n))
+                } else {
+                    Err(VARS_RANGE)
+                }
             }
-            #[expect(clippy::cast_precision_loss, reason = "KAREL's own INTEGER to REAL conversion")]
+            #[expect(
+                clippy::cast_precision_loss,
+                reason = "KAREL's own INTEGER to REAL conversion"
+            )]
             (Kind::Real { above, max }, Value::Integer(n)) => in_range(n as f32, above, max),
             (Kind::Real { above, max }, Value::Real(x)) => in_range(x, above, max),
             (Kind::Boolean, Value::Boolean(b)) => Ok(Value::Boolean(b)),
@@ -185,9 +202,10 @@ impl Kind {
                 let bytes = text.as_bytes();
                 Ok(Value::String(Text::from(bytes.get(..max).unwrap_or(bytes))))
             }
-            (Kind::Position, value) => {
-                value.as_xyzwprext().map(|p| Value::Position(p.into())).ok_or(Status::VARS_TYPE)
-            }
+            (Kind::Position, value) => value
+                .as_xyzwprext()
+                .map(|p| Value::Position(p.into()))
+                .ok_or(Status::VARS_TYPE),
             (Kind::Integer { .. } | Kind::Real { .. } | Kind::Boolean | Kind::Text { .. }, _) => {
                 Err(Status::VARS_TYPE)
             }
@@ -197,7 +215,11 @@ impl Kind {
 
 fn in_range(x: f32, above: f32, max: f32) -> Result<Value, Status> {
     // NaN fails both comparisons.
-    if x > above && x <= max { Ok(Value::Real(x)) } else { Err(VARS_RANGE) }
+    if x > above && x <= max {
+        Ok(Value::Real(x))
+    } else {
+        Err(VARS_RANGE)
+    }
 }
 
 /// The path under which a variable is stored: the motion environment without its group.
@@ -207,7 +229,8 @@ fn canonical(path: &SysPath) -> String {
         [Step::Name(group), Step::Index(index), Step::Name(_), ..]
             if group == "$GROUP" && index.as_slice() == [1] =>
         {
-            text.strip_prefix("$GROUP[1].").map_or(text.clone(), str::to_owned)
+            text.strip_prefix("$GROUP[1].")
+                .map_or(text.clone(), str::to_owned)
         }
         _ => text,
     }
@@ -259,10 +282,19 @@ mod tests {
         let mut v = SystemVariables::new();
         let one = || Value::Integer(1);
         assert_eq!(set(&mut v, "$NO_SUCH", one()), Err(Status::VARS_UNKNOWN));
-        assert_eq!(set(&mut v, "$HOSTS_CFG[9].$SERVER_PORT", one()), Err(Status::VARS_INDEX));
-        assert_eq!(set(&mut v, "$MNUFRAME[1,11]", one()), Err(Status::VARS_INDEX));
+        assert_eq!(
+            set(&mut v, "$HOSTS_CFG[9].$SERVER_PORT", one()),
+            Err(Status::VARS_INDEX)
+        );
+        assert_eq!(
+            set(&mut v, "$MNUFRAME[1,11]", one()),
+            Err(Status::VARS_INDEX)
+        );
         assert_eq!(set(&mut v, "$DMAURST", one()), Err(Status::VARS_TYPE));
-        assert_eq!(set(&mut v, "$MOR_GRP[1].$ROB_MOVE", one()), Err(VARS_READ_ONLY));
+        assert_eq!(
+            set(&mut v, "$MOR_GRP[1].$ROB_MOVE", one()),
+            Err(VARS_READ_ONLY)
+        );
     }
 
     #[test]
@@ -275,7 +307,11 @@ mod tests {
             let refused = set(&mut v, "$MCR.$GENOVERRIDE", Value::Integer(percent));
             assert_eq!(refused, Err(VARS_RANGE));
         }
-        assert_eq!(v.integer("$MCR.$GENOVERRIDE"), Ok(100), "a refusal changes nothing");
+        assert_eq!(
+            v.integer("$MCR.$GENOVERRIDE"),
+            Ok(100),
+            "a refusal changes nothing"
+        );
     }
 
     #[test]
@@ -291,7 +327,11 @@ mod tests {
     fn speed_is_refused_at_zero_and_above_the_speed_limit() {
         let mut v = SystemVariables::new();
         for speed in [0.0, -1.0, 2000.5, f32::NAN, f32::INFINITY] {
-            assert_eq!(set(&mut v, "$SPEED", Value::Real(speed)), Err(VARS_RANGE), "{speed}");
+            assert_eq!(
+                set(&mut v, "$SPEED", Value::Real(speed)),
+                Err(VARS_RANGE),
+                "{speed}"
+            );
         }
     }
 
