@@ -3,7 +3,8 @@
 mod common;
 
 use common::{ACCEPTED, INCORRECT, LINE, Stepped, UNREACHABLE, call, sock_server, within};
-use karel_emulator::{LedgerEvent, PeerLabels};
+use karel_emulator::LedgerEvent::{Cancelled, Finished, Started};
+use karel_emulator::PeerLabels;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 
@@ -15,7 +16,7 @@ async fn an_accepted_line_is_answered_before_the_motion_ends_and_the_arm_arrives
     let state = cell.controller.state().await.unwrap();
     assert!(state.moving, "the reply does not wait for the arm");
     assert_eq!(state.override_percent, 25);
-    assert_eq!(cell.events().await, [(1, LedgerEvent::Started)]);
+    assert_eq!(cell.events().await, [(1, Started)]);
 
     cell.until_standstill().await;
     let state = cell.controller.state().await.unwrap();
@@ -25,7 +26,7 @@ async fn an_accepted_line_is_answered_before_the_motion_ends_and_the_arm_arrives
         assert!((value - wanted).abs() < 1e-3, "{pose:?}");
     }
     assert!((pose.w_deg.abs() - 180.0).abs() < 1e-3, "{pose:?}");
-    assert_eq!(cell.events().await, [(1, LedgerEvent::Started), (1, LedgerEvent::Finished)]);
+    assert_eq!(cell.events().await, [(1, Started), (1, Finished)]);
     cell.controller.shutdown().await;
 }
 
@@ -41,7 +42,9 @@ async fn the_ledger_says_who_moved_the_arm_where_from_where_and_how_long() {
     cell.until_standstill().await;
 
     let ledger = cell.controller.ledger().await.unwrap();
-    let [started, finished] = ledger.as_slice() else { panic!("{ledger:#?}") };
+    let [started, finished] = ledger.as_slice() else {
+        panic!("{ledger:#?}")
+    };
     assert_eq!((started.seq, finished.seq), (1, 2));
     for entry in [started, finished] {
         assert_eq!(entry.peer, Some(peer));
@@ -55,10 +58,20 @@ async fn the_ledger_says_who_moved_the_arm_where_from_where_and_how_long() {
     }
     assert_eq!(started.to_deg, finished.to_deg);
     let home: [f64; 6] = started.from_deg.into();
-    assert!(home.iter().zip(common::arm().home().degrees()).all(|(a, b)| (a - b).abs() < 1e-9));
+    assert!(
+        home.iter()
+            .zip(common::arm().home().degrees())
+            .all(|(a, b)| (a - b).abs() < 1e-9)
+    );
     let (took, planned) = (finished.duration_s.unwrap(), started.duration_s.unwrap());
-    assert!((took - planned).abs() < 1e-5, "took {took} s, planned {planned} s");
-    assert!(took > 1.0, "at 25 % of 300/2000 of the axis speeds the arm needs its time");
+    assert!(
+        (took - planned).abs() < 1e-5,
+        "took {took} s, planned {planned} s"
+    );
+    assert!(
+        took > 1.0,
+        "at 25 % of 300/2000 of the axis speeds the arm needs its time"
+    );
     assert!((finished.time_s - started.time_s - took).abs() < 1e-5);
 }
 
@@ -73,7 +86,12 @@ async fn refusals_move_nothing_and_the_next_client_is_served() {
         (b"600000 200000 600000 -180000 30000 0 -1 1", UNREACHABLE),
         (b"a b c d e f g h\n", INCORRECT),
     ] {
-        assert_eq!(call(address, line).await, reply, "{:?}", String::from_utf8_lossy(line));
+        assert_eq!(
+            call(address, line).await,
+            reply,
+            "{:?}",
+            String::from_utf8_lossy(line)
+        );
     }
     assert_eq!(cell.events().await, []);
     assert_eq!(call(address, LINE).await, ACCEPTED);
@@ -100,7 +118,6 @@ async fn a_second_command_waits_behind_the_running_motion() {
 
     cell.until_standstill().await;
     assert_eq!(common::read_to_end(&mut third).await, "");
-    use LedgerEvent::{Finished, Started};
     let history = [
         (1, Started),
         (1, Finished),
@@ -121,7 +138,7 @@ async fn abort_brakes_the_arm_and_the_ledger_says_cancelled() {
     cell.until_standstill().await;
     let ledger = cell.controller.ledger().await.unwrap();
     let last = ledger.last().unwrap();
-    assert_eq!(last.event, LedgerEvent::Cancelled);
+    assert_eq!(last.event, Cancelled);
     assert_ne!(last.to_deg, ledger[0].to_deg, "it did not arrive");
     let refused = TcpStream::connect(cell.address().await).await;
     assert!(refused.is_err(), "no task, no listener");

@@ -14,8 +14,7 @@ fn with_panel(mut config: ControllerConfig) -> ControllerConfig {
 async fn an_endless_loop_in_a_program_does_not_stop_the_panel() {
     let program = "PROGRAM busy\nVAR n : INTEGER\nBEGIN\nn = 0\nWHILE TRUE DO\nn = 1 - n\nENDWHILE\nEND busy\n";
     let config = with_panel(config_of(program, &[]));
-    let controller =
-        VirtualController::start(&config, Clock::real(), PeerLabels::new()).unwrap();
+    let controller = VirtualController::start(&config, Clock::real(), PeerLabels::new()).unwrap();
     let panel = controller.panel_address().unwrap();
     let mut last = 0.0;
     for _ in 0..20 {

@@ -8,6 +8,7 @@ use common::{
     ACCEPTED, INCORRECT, LINE, PORT, Stepped, call, config_of, read_to_end, sock_server,
     wait_until, within,
 };
+use karel_emulator::state::TaskWord;
 use karel_emulator::{Clock, PeerLabels, SecondClient, StartError, VirtualController};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
@@ -37,7 +38,11 @@ async fn a_second_client_is_refused_where_the_controller_does_so() {
     first.write_all(LINE).await.unwrap();
     assert_eq!(read_to_end(&mut first).await, ACCEPTED);
     wait_until(&cell.controller, |state| state.tags[0].state == "listening").await;
-    assert_eq!(call(address, b"x\n x x x x x x x").await, INCORRECT, "the port is the same");
+    assert_eq!(
+        call(address, b"x\n x x x x x x x").await,
+        INCORRECT,
+        "the port is the same"
+    );
 }
 
 #[tokio::test]
@@ -137,8 +142,14 @@ END fails
     let silence = tokio::time::timeout(Duration::from_millis(50), stream.read(&mut byte)).await;
     assert!(silence.is_err(), "neither bytes nor an end: {silence:?}");
     let alarm = cell.controller.alarms().await.unwrap().remove(0);
-    assert_eq!((alarm.program.as_deref(), alarm.line), (Some("FAILS"), Some(10)));
-    assert!(TcpStream::connect(cell.address().await).await.is_err(), "nobody listens any more");
+    assert_eq!(
+        (alarm.program.as_deref(), alarm.line),
+        (Some("FAILS"), Some(10))
+    );
+    assert!(
+        TcpStream::connect(cell.address().await).await.is_err(),
+        "nobody listens any more"
+    );
     cell.controller.abort_all().await.unwrap();
     assert_eq!(read_to_end(&mut stream).await, "", "ABORT ALL closes it");
 }
@@ -160,14 +171,9 @@ END nobody
 ";
     let cell = Stepped::start(&config_of(program, &[]));
     cell.advance(0.009).await;
-    assert_eq!(task_state(&cell).await, "waiting");
+    assert_eq!(cell.task_word().await, TaskWord::Waiting);
     cell.advance(0.003).await;
-    assert_eq!(task_state(&cell).await, "ended");
-}
-
-async fn task_state(cell: &Stepped) -> String {
-    let state = cell.controller.state().await.unwrap();
-    serde_json::to_value(state.tasks[0].state).unwrap().as_str().unwrap().to_owned()
+    assert_eq!(cell.task_word().await, TaskWord::Ended);
 }
 
 #[tokio::test]
@@ -204,7 +210,11 @@ END retries
     cell.advance(1.0).await;
     let alarms = cell.controller.alarms().await.unwrap();
     assert_eq!(alarms.len(), 1, "{alarms:#?}");
-    assert!(alarms[0].text.contains(&port.to_string()), "{}", alarms[0].text);
+    assert!(
+        alarms[0].text.contains(&port.to_string()),
+        "{}",
+        alarms[0].text
+    );
     drop(taken);
     cell.advance(0.01).await;
     let _client = TcpStream::connect(("127.0.0.1", port)).await.unwrap();

@@ -106,7 +106,10 @@ impl Table {
             Kind::Real { above: 0.0, max },
             Value::Real(max),
         );
-        let rotation = Kind::Real { above: 0.0, max: 1e4 };
+        let rotation = Kind::Real {
+            above: 0.0,
+            max: 1e4,
+        };
         self.stored("$ROTSPEED", rotation, Value::Real(500.0));
         self.integer("$MOTYPE", ANY, motype::JOINT);
         self.integer("$TERMTYPE", ANY, termtype::FINE);

@@ -6,17 +6,19 @@
 //! Tasks run in turn. Each may execute a number of instructions in a millisecond of controller time
 //! ([`crate::config::Limits::instructions_per_ms`]); an endless loop spends its share and rests.
 
+mod load;
+mod snapshot;
+
 use std::time::Duration;
 
-use karel::{Machine, Program, Run, TaskId, Wait};
+use karel::{Machine, Run, TaskId, Wait};
 
 use crate::alarms::{Alarm, Severity};
-use crate::config::{ControllerConfig, Limits, ProgramSource};
+use crate::config::{ControllerConfig, Limits};
 use crate::effects::{ConnectionId, Effect, Event};
 use crate::error::StartError;
 use crate::hardware::Hardware;
-use crate::ledger::{LedgerEntry, seconds};
-use crate::state::{JointLimit, State, TagView, TaskState, TaskWord};
+use crate::ledger::LedgerEntry;
 
 /// The period in which a task may spend its instructions.
 const SHARE_PERIOD: Duration = Duration::from_millis(1);
@@ -73,7 +75,7 @@ impl Controller {
             })?;
         let limits = config.limits;
         let mut machine = Machine::new(karel::Limits::default());
-        let names = load(&mut machine, &config.programs, limits)?;
+        let names = load::load(&mut machine, &config.programs, limits)?;
         let run = if config.run.is_empty() {
             names.into_iter().take(1).collect()
         } else {
@@ -222,78 +224,6 @@ impl Controller {
         self.hardware.screen.iter().cloned().collect()
     }
 
-    /// A snapshot for people and tests.
-    #[must_use]
-    pub fn state(&self) -> State {
-        let hardware = &self.hardware;
-        let model = hardware.planner.model();
-        let joints = hardware.executor.joints(hardware.now);
-        // Without usable frames, the flange in the world is what there is to show.
-        let (frame, tool) = hardware.frames().unwrap_or_default();
-        let pose = hardware
-            .planner
-            .pose(&joints, &frame, &tool)
-            .unwrap_or_default();
-        State {
-            controller: hardware.name.to_string(),
-            model: model.name().to_owned(),
-            time_s: seconds(hardware.now),
-            joints_deg: joints.degrees().into(),
-            limits_deg: kinematics::Axis::ALL
-                .into_iter()
-                .map(|axis| {
-                    let limits = model.limits(axis);
-                    let joint = axis.to_string();
-                    JointLimit {
-                        joint,
-                        min_deg: limits.min.0,
-                        max_deg: limits.max.0,
-                    }
-                })
-                .collect(),
-            pose,
-            configuration: model.configuration(&joints).to_string(),
-            moving: hardware.executor.is_moving(),
-            override_percent: hardware.override_percent,
-            motion_queue: hardware.executor.queued(),
-            tasks: self
-                .tasks
-                .iter()
-                .filter_map(|task| self.task_state(task))
-                .collect(),
-            tags: hardware
-                .tags
-                .iter()
-                .filter(|slot| slot.task.is_some())
-                .map(|slot| TagView {
-                    tag: slot.tag.to_string(),
-                    port: slot.port,
-                    state: slot.word().to_owned(),
-                    peer: slot.connection().map(|connection| connection.peer),
-                })
-                .collect(),
-            active_alarms: hardware.alarms.active(),
-            ledger_seq: hardware.ledger.last_seq(),
-        }
-    }
-
-    fn task_state(&self, task: &Task) -> Option<TaskState> {
-        let view = self.machine.task(task.id)?;
-        let (state, detail) = match view.state {
-            karel::TaskState::Ready => (TaskWord::Running, None),
-            karel::TaskState::Blocked(wait) => (TaskWord::Waiting, Some(wait_in_words(&wait))),
-            karel::TaskState::Ended => (TaskWord::Ended, None),
-            karel::TaskState::Aborted(error) => (TaskWord::Aborted, Some(error.to_string())),
-        };
-        Some(TaskState {
-            name: view.name.to_string(),
-            program: view.program.to_string(),
-            state,
-            line: view.line,
-            detail,
-        })
-    }
-
     /// One slice for each task that can run. Whether there was any.
     fn run_ready_tasks(&mut self) -> bool {
         let now = self.hardware.now;
@@ -360,60 +290,5 @@ impl Controller {
                 }
             }
         }
-    }
-}
-
-/// Loads every program; their names in the order given.
-fn load(
-    machine: &mut Machine,
-    programs: &[ProgramSource],
-    limits: Limits,
-) -> Result<Vec<String>, StartError> {
-    if programs.is_empty() {
-        return Err(StartError::NoProgram);
-    }
-    if programs.len() > limits.programs {
-        return Err(StartError::TooManyPrograms {
-            count: programs.len(),
-            limit: limits.programs,
-        });
-    }
-    let mut names = Vec::new();
-    for ProgramSource { name: file, text } in programs {
-        if text.len() > limits.program_bytes {
-            return Err(StartError::ProgramTooLong {
-                file: file.clone(),
-                bytes: text.len(),
-                limit: limits.program_bytes,
-            });
-        }
-        let program = Program::parse_and_check(text, file).map_err(|diagnostics| {
-            let rendered: Vec<String> = diagnostics.iter().map(ToString::to_string).collect();
-            StartError::Program {
-                file: file.clone(),
-                errors: diagnostics.len(),
-                rendered: rendered.join("\n"),
-            }
-        })?;
-        for warning in program.warnings() {
-            tracing::warn!("{warning}");
-        }
-        names.push(program.name().to_owned());
-        machine.load(program).map_err(|error| StartError::Load {
-            file: file.clone(),
-            reason: error.to_string(),
-        })?;
-    }
-    Ok(names)
-}
-
-fn wait_in_words(wait: &Wait) -> String {
-    match wait {
-        Wait::Readable(_) => "waits for bytes".to_owned(),
-        Wait::Writable(_) => "waits until the peer takes bytes".to_owned(),
-        Wait::Connect(tag) => format!("waits for a client on {tag}:"),
-        Wait::MotionQueue => "waits for a place in the motion queue".to_owned(),
-        Wait::Motion(motion) => format!("waits for the end of motion {}", motion.0),
-        Wait::Until(time) => format!("waits until {:.3} s", seconds(*time)),
     }
 }
