@@ -1,6 +1,7 @@
 //! The handle of a running controller.
 
 use std::net::{SocketAddr, TcpListener as StdListener};
+use std::time::Duration;
 
 use tokio::sync::{mpsc, oneshot, watch};
 use tokio_util::sync::CancellationToken;
@@ -15,6 +16,9 @@ use crate::labels::PeerLabels;
 use crate::ledger::LedgerEntry;
 use crate::panel;
 use crate::state::State;
+
+/// How long a shutdown waits for clients of the panel.
+const SHUTDOWN: Duration = Duration::from_secs(2);
 
 /// A virtual controller that runs in tasks of its own. Dropping it stops it without waiting.
 #[derive(Debug)]
@@ -157,7 +161,14 @@ impl VirtualController {
     /// Stops the controller and waits until its ports are closed.
     pub async fn shutdown(self) {
         self.stop.cancel();
-        self.tracker.wait().await;
+        if tokio::time::timeout(SHUTDOWN, self.tracker.wait())
+            .await
+            .is_err()
+        {
+            tracing::warn!(
+                "A client of the panel holds its connection, the controller stops without it."
+            );
+        }
     }
 
     async fn ask<T>(

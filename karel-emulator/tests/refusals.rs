@@ -22,6 +22,11 @@ END mover
     )
 }
 
+#[allow(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    reason = "a failure stops the test"
+)]
 async fn refused(statements: &str) -> (Stepped, String) {
     let cell = Stepped::start(&config_of(&moving(statements), &[]));
     let before = cell.controller.state().await.unwrap().joints_deg;
@@ -81,6 +86,7 @@ async fn a_bad_override_stops_the_program() {
     assert_eq!(cell.controller.state().await.unwrap().override_percent, 100);
 }
 
+#[allow(clippy::unwrap_used, reason = "a failure stops the test")]
 fn start_error(config: &karel_emulator::ControllerConfig) -> StartError {
     VirtualController::start(config, Clock::real(), PeerLabels::new()).unwrap_err()
 }

@@ -130,8 +130,14 @@ impl Net {
             let Some(listener) = self.accepting_on(tag).and_then(Port::listener) else {
                 continue;
             };
-            if let Poll::Ready(result) = listener.poll_accept(cx) {
-                return Poll::Ready(self.accepted(tag, result));
+            while let Poll::Ready(result) = listener.poll_accept(cx) {
+                // A client that gave up while it waited is nobody's failure.
+                if !result
+                    .as_ref()
+                    .is_err_and(|e| e.kind() == io::ErrorKind::ConnectionAborted)
+                {
+                    return Poll::Ready(self.accepted(tag, result));
+                }
             }
         }
         for (&id, live) in &mut self.connections {
@@ -201,9 +207,12 @@ impl Net {
                 accepting: true,
             },
         );
-        let _changed = self
+        let news = self
             .addresses
             .send_if_modified(|addresses| addresses.insert(program_port, address) != Some(address));
+        if news {
+            tracing::info!(%tag, "Port {program_port} of the program is open at {address}.");
+        }
         Ok(())
     }
 

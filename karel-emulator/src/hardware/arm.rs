@@ -13,6 +13,9 @@ use crate::sysvars::codes::motype;
 /// MOTN-999: this controller does not simulate what the program asks for. A number of our own.
 const MOTN_NOT_SIMULATED: Status = Status::new(15, 999);
 
+/// MOTN-998: the motion was cancelled. A number of our own.
+const MOTN_CANCELLED: Status = Status::new(15, 998);
+
 /// The motion group of the arm; there is no other.
 const GROUP: i32 = 1;
 
@@ -176,7 +179,7 @@ impl Hardware {
         let tag = &end.motion.tag;
         let (event, status, word) = match end.outcome {
             Outcome::Finished => (LedgerEvent::Finished, Status::OK, "finished"),
-            Outcome::Cancelled => (LedgerEvent::Cancelled, MOTN_NOT_SIMULATED, "was stopped in"),
+            Outcome::Cancelled => (LedgerEvent::Cancelled, MOTN_CANCELLED, "was stopped in"),
         };
         let mut entry = self.entry(event, tag, end.motion.path.from());
         entry.time_s = seconds(end.at);
