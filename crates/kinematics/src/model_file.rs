@@ -3,11 +3,12 @@
 use serde::Deserialize;
 use units::{DegPerSec, DegPerSec2, Degrees, Millimeters, Radians};
 
+use crate::coupling::Coupling;
 use crate::dh::DhLink;
 use crate::geometry::{Geometry, NotCovered};
 use crate::joints::{Axis, PendantJoints};
 use crate::limits::Limits;
-use crate::model::{ArmModel, Coupling};
+use crate::model::ArmModel;
 
 /// No link of an arm is longer.
 const MAX_LENGTH_MM: f64 = 100_000.0;
@@ -44,7 +45,7 @@ pub enum ModelError {
         /// The key in the file.
         key: &'static str,
         /// What was given.
-        value: i64,
+        value: i8,
         /// The legal values.
         wanted: &'static str,
     },
@@ -128,10 +129,10 @@ struct JointEntry {
     d_mm: f64,
     a_mm: f64,
     alpha_deg: f64,
-    sign: i64,
+    sign: i8,
     offset_deg: f64,
     #[serde(default)]
-    j2_coupling: i64,
+    j2_coupling: i8,
     min_deg: f64,
     max_deg: f64,
     max_speed_deg_s: f64,
@@ -204,7 +205,15 @@ pub(crate) fn read(text: &str) -> Result<ArmModel, ModelError> {
         max_speeds: joints.map(|joint| joint.max_speed),
         max_accelerations: joints.map(|joint| joint.max_acceleration),
         home: PendantJoints::from_degrees(joints.map(|joint| joint.home)),
+        shown_middles: shown_middles(&joints.map(|joint| joint.limits)),
     })
+}
+
+/// J1, J2 and J3 are shown on the turn nearest to the middle of their range, the wrist's joints within half a turn.
+fn shown_middles(&[j1, j2, j3, ..]: &[Limits; 6]) -> [f64; 6] {
+    let [j1, j2, j3] =
+        [j1, j2, j3].map(|range| f64::midpoint(range.min.0, range.max.0).to_radians());
+    [j1, j2, j3, 0.0, 0.0, 0.0]
 }
 
 /// One joint's own numbers.
@@ -224,13 +233,9 @@ fn check(axis: Axis, entry: &JointEntry) -> Result<Joint, ModelError> {
     };
     let length = |key, value| in_range(key, value, -MAX_LENGTH_MM, MAX_LENGTH_MM);
     let angle = |key, value| in_range(key, value, -MAX_ANGLE_DEG, MAX_ANGLE_DEG);
-    let choice = |key, value: i64, legal: &[i64], wanted| {
+    let choice = |key, value: i8, legal: &[i8], wanted| {
         if legal.contains(&value) {
-            Ok(if value == 0 {
-                0.0
-            } else {
-                value.signum() as f64
-            })
+            Ok(f64::from(value))
         } else {
             Err(ModelError::Choice {
                 axis,
@@ -255,7 +260,7 @@ fn check(axis: Axis, entry: &JointEntry) -> Result<Joint, ModelError> {
             limits,
         });
     }
-    let (couplings, wanted): (&[i64], _) = if axis == Axis::J3 {
+    let (couplings, wanted): (&[i8], _) = if axis == Axis::J3 {
         (&[-1, 0, 1], "-1, 0 or 1")
     } else {
         (&[0], "0: only J3 is coupled")

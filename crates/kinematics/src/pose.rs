@@ -55,8 +55,7 @@ impl Pose {
             check_coordinate(name, value)?;
         }
         for (name, value) in [("w", pose.w), ("p", pose.p), ("r", pose.r)] {
-            // Negated, so that NaN is refused too.
-            if !(value.abs() <= MAX_ANGLE) {
+            if !value.is_finite() || value.abs() > MAX_ANGLE {
                 return Err(PoseError::Angle { name, value });
             }
         }
@@ -77,7 +76,7 @@ impl Pose {
             check_coordinate(name, Millimeters(value))?;
         }
         let norm = isometry.rotation.quaternion().norm();
-        if !((norm - 1.0).abs() <= MAX_NORM_ERROR) {
+        if !norm.is_finite() || (norm - 1.0).abs() > MAX_NORM_ERROR {
             return Err(PoseError::Rotation { norm });
         }
         Ok(Pose::from_parts(
@@ -138,8 +137,7 @@ impl Pose {
 }
 
 fn check_coordinate(name: &'static str, value: Millimeters) -> Result<(), PoseError> {
-    // Negated, so that NaN is refused too.
-    if !(value.abs() <= MAX_COORDINATE) {
+    if !value.is_finite() || value.abs() > MAX_COORDINATE {
         return Err(PoseError::Coordinate { name, value });
     }
     Ok(())
@@ -149,7 +147,10 @@ fn check_coordinate(name: &'static str, value: Millimeters) -> Result<(), PoseEr
 impl Mul for Pose {
     type Output = Pose;
     fn mul(self, other: Pose) -> Pose {
-        Pose(self.0 * other.0)
+        let mut product = self.0 * other.0;
+        // Long chains of products keep their unit length.
+        product.rotation.renormalize_fast();
+        Pose(product)
     }
 }
 

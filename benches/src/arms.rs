@@ -1,0 +1,95 @@
+//! The FANUC M-20iA for both implementations, and random poses it reaches.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use kinematics::{ArmModel, Axis, PendantJoints, Pose};
+use rs_opw_kinematics::kinematics_impl::OPWKinematics;
+use rs_opw_kinematics::parameters::opw_kinematics::Parameters;
+
+/// Our arm.
+///
+/// # Panics
+/// The model comes with the kinematics crate; without it there is nothing to measure.
+#[must_use]
+pub fn arm() -> &'static ArmModel {
+    ArmModel::builtin("fanuc-m20ia").expect("the M-20iA is built in")
+}
+
+/// The same arm for rs-opw-kinematics, in meters. The pendant's J3 + J2 is its J3.
+#[must_use]
+pub fn peer() -> OPWKinematics {
+    OPWKinematics::new(Parameters {
+        a1: 0.150,
+        a2: -0.250,
+        b: 0.0,
+        c1: 0.0,
+        c2: 0.790,
+        c3: 0.835,
+        c4: 0.100,
+        offsets: [0.0, 0.0, -FRAC_PI_2, 0.0, 0.0, PI],
+        sign_corrections: [1, 1, -1, -1, -1, -1],
+        dof: 6,
+    })
+}
+
+/// One pose, as each side wants it.
+#[derive(Clone, Copy, Debug)]
+pub struct Case {
+    /// Our joints.
+    pub joints: PendantJoints,
+    /// The flange at these joints.
+    pub pose: Pose,
+    /// The peer's joints.
+    pub peer_joints: [f64; 6],
+    /// The peer's pose.
+    pub peer_pose: rs_opw_kinematics::pose::Pose,
+}
+
+/// Poses made of random joints inside the limits; the same ones in every run.
+#[must_use]
+pub fn cases(count: usize) -> Vec<Case> {
+    let arm = arm();
+    let mut random = Random(20_260_722);
+    let case = |_| {
+        let joints = PendantJoints::from_degrees(Axis::ALL.map(|axis| {
+            let limits = arm.limits(axis);
+            limits.min.0 + random.part() * (limits.max.0 - limits.min.0)
+        }));
+        let pose = arm.forward(&joints);
+        let [j1, j2, j3, j4, j5, j6] = joints.radians();
+        Case {
+            joints,
+            pose,
+            peer_joints: [j1, j2, j3 + j2, j4, j5, j6],
+            peer_pose: peer_pose(&pose),
+        }
+    };
+    (0..count).map(case).collect()
+}
+
+fn peer_pose(pose: &Pose) -> rs_opw_kinematics::pose::Pose {
+    let isometry = pose.isometry();
+    let (p, q) = (
+        isometry.translation.vector / 1000.0,
+        isometry.rotation.coords,
+    );
+    let mut pose = rs_opw_kinematics::pose::Pose::IDENTITY;
+    pose.translation = [p.x, p.y, p.z].into();
+    (pose.rotation.x, pose.rotation.y) = (q.x, q.y);
+    (pose.rotation.z, pose.rotation.w) = (q.z, q.w);
+    pose
+}
+
+/// A linear congruential generator (Knuth, MMIX): good enough to spread joints, and the same everywhere.
+struct Random(u64);
+
+impl Random {
+    /// From 0 to 1.
+    fn part(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        f64::from(u32::try_from(self.0 >> 32).unwrap_or(0)) / f64::from(u32::MAX)
+    }
+}

@@ -1,0 +1,48 @@
+//! Running variants in turn, and the median of what comes out.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+/// What one comparison came to.
+#[derive(Clone, Copy, Debug)]
+pub struct Comparison {
+    /// Nanoseconds an item, median over the repeats.
+    pub ours_ns: f64,
+    /// The same for the peer.
+    pub peer_ns: f64,
+    /// How many times faster ours is: the median of the repeats' ratios, not the ratio of the medians.
+    pub ratio: f64,
+}
+
+/// Runs `ours` and `peer` over all items, in turn, `repeats` times, and throws away one round to warm up.
+pub fn compare<T, A, B>(
+    items: &[T],
+    repeats: usize,
+    mut ours: impl FnMut(&T) -> A,
+    mut peer: impl FnMut(&T) -> B,
+) -> Comparison {
+    let _ = (time(items, &mut ours), time(items, &mut peer));
+    let rounds: Vec<(f64, f64)> = (0..repeats)
+        .map(|_| (time(items, &mut ours), time(items, &mut peer)))
+        .collect();
+    Comparison {
+        ours_ns: median(rounds.iter().map(|(ours, _)| *ours).collect()),
+        peer_ns: median(rounds.iter().map(|(_, peer)| *peer).collect()),
+        ratio: median(rounds.iter().map(|(ours, peer)| peer / ours).collect()),
+    }
+}
+
+/// Nanoseconds an item.
+fn time<T, A>(items: &[T], run: &mut impl FnMut(&T) -> A) -> f64 {
+    let start = Instant::now();
+    for item in items {
+        let _ = black_box(run(black_box(item)));
+    }
+    let items = u32::try_from(items.len()).map_or(f64::MAX, f64::from);
+    start.elapsed().as_secs_f64() * 1e9 / items
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
