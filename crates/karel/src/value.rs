@@ -123,3 +123,12 @@ impl From<Value> for SysValue {
         SysValue::Value(value)
     }
 }
+
+/// INTEGER to REAL, rounded to the nearest `f32`.
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "a REAL has 24 bits; KAREL rounds here as well"
+)]
+pub(crate) fn real_of(integer: i32) -> f32 {
+    integer as f32
+}
