@@ -287,6 +287,8 @@ impl Controller {
                     && wake.ends(wait)
                 {
                     task.phase = Phase::Ready;
+                    // Something happened that it did not do itself, so it is no endless loop.
+                    task.share = self.limits.instructions_per_ms;
                 }
             }
         }
