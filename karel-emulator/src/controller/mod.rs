@@ -4,7 +4,8 @@
 //! byte: nothing here reads a clock, waits, or iterates in the order of a hash.
 //!
 //! Tasks run in turn. Each may execute a number of instructions in a millisecond of controller time
-//! ([`crate::config::Limits::instructions_per_ms`]); an endless loop spends its share and rests.
+//! ([`crate::config::Limits::instructions_per_ms`]), anew after each wait that something else ended; an endless loop
+//! spends its share and rests.
 
 mod load;
 mod snapshot;
