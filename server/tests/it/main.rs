@@ -17,4 +17,5 @@ mod link_failures;
 mod link_queue;
 mod motions;
 mod serving;
+mod simulated;
 mod support;
