@@ -22,7 +22,9 @@ pub(crate) enum Failure {
     #[error("{0}")]
     Usage(String),
     /// A relative move without a place to count from.
-    #[error("no motion of this robot was accepted yet, so there is nothing to count from")]
+    #[error(
+        "the server knows no accepted target to count from: none yet, or a motion in doubt since"
+    )]
     NoAcceptedTarget,
     /// The arm did not come to rest in the time allowed.
     #[error("still not at rest after {seconds} s: {last}")]

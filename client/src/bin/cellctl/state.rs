@@ -25,9 +25,10 @@ fn sentences(state: &RobotState) -> String {
             text::pose(pose),
             "the last accepted target; the arm may be on its way to it, or have been moved by hand",
         ),
-        (PoseSource::LastAcceptedTarget | PoseSource::Unknown, _) => {
-            ("unknown".to_owned(), "no motion was accepted yet")
-        }
+        (PoseSource::LastAcceptedTarget | PoseSource::Unknown, _) => (
+            "unknown".to_owned(),
+            "no accepted target: none yet, or a motion in doubt since",
+        ),
     };
     let mut facts = vec![
         ("robot", format!("{} in {}", state.id, state.cell)),
