@@ -10,6 +10,9 @@ use uuid::Uuid;
 use crate::ClientError;
 use crate::answer::{Answer, Call};
 
+/// How long an idle connection is kept. Servers close theirs after some seconds; a command that meets such a close on its
+/// way would be in doubt for nothing.
+const IDLE: Duration = Duration::from_secs(2);
 const REQUEST_ID: &str = "x-request-id";
 
 /// How long to wait for what.
@@ -73,6 +76,7 @@ impl Http {
             .redirect(reqwest::redirect::Policy::none())
             .retry(reqwest::retry::never())
             .connect_timeout(timeouts.connect)
+            .pool_idle_timeout(IDLE)
             .build()
             .map_err(|error| refuse(error.to_string()))?;
         Ok(Self {
