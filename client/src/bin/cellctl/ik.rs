@@ -76,10 +76,11 @@ fn table(result: &InverseResult) -> String {
                  not inside the limits."
             .to_owned(),
     };
-    format!(
-        "{} branches reach the pose; joints, margins and distances in degrees. {controller}\n\n{table}",
-        result.branches.len()
-    )
+    let reached = match result.branches.len() {
+        1 => "1 branch reaches the pose".to_owned(),
+        count => format!("{count} branches reach the pose"),
+    };
+    format!("{reached}; joints, margins and distances in degrees. {controller}\n\n{table}")
 }
 
 /// The joint with the least margin, which alone decides.
