@@ -13,7 +13,9 @@ use crate::answer::{Answer, Call};
 /// How long an idle connection is kept. Servers close theirs after some seconds; a command that meets such a close on its
 /// way would be in doubt for nothing.
 const IDLE: Duration = Duration::from_secs(2);
-const REQUEST_ID: &str = "x-request-id";
+/// The longest id the server takes for its own.
+const MAX_REQUEST_ID: usize = 64;
+pub(crate) const REQUEST_ID: &str = "x-request-id";
 
 /// How long to wait for what.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,11 +89,17 @@ impl Http {
         })
     }
 
-    pub(crate) fn with_request_id(&self, request_id: &str) -> Self {
-        Self {
+    pub(crate) fn with_request_id(&self, request_id: &str) -> Result<Self, ClientError> {
+        let legal = |byte: u8| byte.is_ascii_alphanumeric() || matches!(byte, b'.' | b'_' | b'-');
+        if !(1..=MAX_REQUEST_ID).contains(&request_id.len()) || !request_id.bytes().all(legal) {
+            return Err(ClientError::RequestId {
+                id: request_id.to_owned(),
+            });
+        }
+        Ok(Self {
             request_id: Some(request_id.to_owned()),
             ..self.clone()
-        }
+        })
     }
 
     pub(crate) fn get(&self, path: &[&str], effect: Effect) -> Exchange {

@@ -94,7 +94,7 @@ async fn each_request_has_an_id_of_its_own_unless_one_is_given() {
     for client in [
         client.clone(),
         client.clone(),
-        client.with_request_id("mine"),
+        client.with_request_id("mine").unwrap(),
     ] {
         assert_eq!(client.cells().await.unwrap(), []);
     }
@@ -106,6 +106,24 @@ async fn each_request_has_an_id_of_its_own_unless_one_is_given() {
     assert_eq!(ids.len(), 3);
     assert_ne!(ids[0], ids[1]);
     assert_eq!(ids[2], "mine");
+}
+
+#[tokio::test]
+async fn the_answer_to_another_request_is_not_believed() {
+    let fake = Fake::always(Answer::OfAnother("not-mine")).await;
+    let error = Client::new(&fake.url()).unwrap().cells().await.unwrap_err();
+    assert!(
+        error.to_string().contains("the id of another request"),
+        "{error}"
+    );
+}
+
+#[test]
+fn only_ids_the_server_takes_are_sent() {
+    let client = Client::new("http://127.0.0.1:1").unwrap();
+    for id in ["", "a b", "a\nb", "\u{e9}", &"a".repeat(65)] {
+        assert!(client.with_request_id(id).is_err(), "{id}");
+    }
 }
 
 #[tokio::test]

@@ -145,7 +145,7 @@ fn exit_of(error: &ClientError) -> Exit {
                 .status()
                 .is_some_and(|status| (400..500).contains(&status))
         }
-        ClientError::BaseUrl { .. } => return Exit::Usage,
+        ClientError::BaseUrl { .. } | ClientError::RequestId { .. } => return Exit::Usage,
         ClientError::Unreachable { .. }
         | ClientError::Timeout { .. }
         | ClientError::Interrupted { .. }
