@@ -134,7 +134,30 @@ fn parse_json<T: DeserializeOwned>(body: &[u8]) -> Result<T, BodyError> {
     // The path is tracked only where there is an error to report: tracking it allocates for every field.
     let value = T::deserialize(&mut json).map_err(|_| explain::<T>(body))?;
     json.end().map_err(|error| syntax(&error))?;
+    // serde takes an array for an object, its values in the order of the fields. No body here holds an array.
+    if holds_array(body) {
+        return Err(BodyError::Shape {
+            item: "body".to_owned(),
+            message: "invalid type: array, expected objects with named values".to_owned(),
+        });
+    }
     Ok(value)
+}
+
+/// Whether valid JSON has an array anywhere.
+fn holds_array(json: &[u8]) -> bool {
+    let mut in_string = false;
+    let mut escaped = false;
+    for byte in json {
+        match byte {
+            _ if escaped => escaped = false,
+            b'\\' => escaped = true,
+            b'"' => in_string = !in_string,
+            b'[' if !in_string => return true,
+            _ => {}
+        }
+    }
+    false
 }
 
 /// Reads the body once more, to say where it does not fit.
@@ -143,7 +166,7 @@ fn explain<T: DeserializeOwned>(body: &[u8]) -> BodyError {
     match serde_path_to_error::deserialize::<_, T>(&mut json) {
         Ok(_) => BodyError::Broken,
         Err(error) if error.inner().is_data() => BodyError::Shape {
-            item: item_of(&error.path().to_string()),
+            item: item_of(&error.path().to_string(), &message_of(error.inner())),
             message: message_of(error.inner()),
         },
         Err(error) => syntax(error.inner()),
@@ -158,11 +181,20 @@ fn syntax(error: &serde_json::Error) -> BodyError {
     }
 }
 
-/// serde's path of the whole value is a dot.
-fn item_of(path: &str) -> String {
-    match path {
-        "." => "body".to_owned(),
-        path => path.to_owned(),
+/// The path of the field an error is about. serde's path ends at the object a field is missing from, or twice in;
+/// the message has its name. The path of the whole value is a dot.
+fn item_of(path: &str, message: &str) -> String {
+    let named = ["missing field `", "duplicate field `"]
+        .iter()
+        .find_map(|begin| message.strip_prefix(begin))
+        .and_then(|rest| rest.split('`').next());
+    match (path, named) {
+        (".", None) => "body".to_owned(),
+        (".", Some(name)) => name.to_owned(),
+        (path, Some(name)) if path != name && !path.ends_with(&format!(".{name}")) => {
+            format!("{path}.{name}")
+        }
+        (path, _) => path.to_owned(),
     }
 }
 
@@ -185,5 +217,35 @@ impl FromRequestParts<Arc<App>> for RequestId {
             .get::<Self>()
             .cloned()
             .ok_or_else(|| Problem::new(ProblemCode::Internal, "the request passed no edge layer"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn explained(body: &str) -> String {
+        parse_json::<api::MotionBody>(body.as_bytes())
+            .unwrap_err()
+            .to_string()
+    }
+
+    #[test]
+    fn an_array_is_not_an_object_whose_keys_were_left_out() {
+        let text =
+            r#"{"type": "JOINT", "speed_mm_s": 200, "target": {"pose": [985, 0, 940, 180, 0, 0]}}"#;
+        assert!(explained(text).starts_with("body: invalid type: array"));
+        let text = r#"{"type": "HOME", "speed_mm_s": 200, "reason": "\"[1]"}"#;
+        assert!(parse_json::<api::MotionBody>(text.as_bytes()).is_ok());
+    }
+
+    #[test]
+    fn a_field_that_is_missing_deep_inside_is_named_with_its_path() {
+        let text = r#"{"type": "JOINT", "speed_mm_s": 200, "target": {"joints": {"j1_deg": 1}}}"#;
+        let message = explained(text);
+        assert!(
+            message.starts_with("target.joints.j2_deg: missing field"),
+            "{message}"
+        );
     }
 }

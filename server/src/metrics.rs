@@ -48,8 +48,11 @@ pub(crate) struct Metrics {
 /// The counts of one route.
 struct RouteCounts {
     label: String,
-    seen: RwLock<HashMap<(&'static str, StatusCode), (Counter, Histogram)>>,
+    seen: RwLock<HashMap<Kind, (Counter, Histogram)>>,
 }
+
+/// What tells the requests of a route apart: the method's label and the status.
+type Kind = (&'static str, StatusCode);
 
 impl Metrics {
     /// Counters for the given routes, as templates: `/api/v1/cells/{cell}`.

@@ -1,8 +1,11 @@
 use std::sync::Arc;
 
 use axum::http::Uri;
+use axum::response::Html;
+use axum::routing::get;
 use axum::{Router, middleware};
 use utoipa::openapi::OpenApi;
+use utoipa_swagger_ui::SwaggerUi;
 
 use crate::edge::edge;
 use crate::problem::Problem;
@@ -16,8 +19,9 @@ pub(crate) fn documented() -> (Router<Arc<App>>, OpenApi) {
 
 /// The whole router: the documented routes, the pages that show the document, and the layer around all of them.
 pub(crate) fn finish(routes: Router<Arc<App>>, document: OpenApi, app: Arc<App>) -> Router {
-    let _ = document;
     routes
+        .route("/", get(async || Html(include_str!("index.html"))))
+        .merge(SwaggerUi::new("/docs").url("/api/v1/openapi.json", document))
         .fallback(not_found)
         .layer(middleware::from_fn_with_state(Arc::clone(&app), edge))
         .with_state(app)

@@ -84,11 +84,10 @@ impl App {
             })
             .collect();
         let (cell, robot) = plan.legacy;
-        let legacy = cells
-            .get(cell)
-            .and_then(|cell| cell.robots.get(robot))
-            .map(Arc::clone)
-            .unwrap_or_else(|| unreachable!("a plan's legacy robot is one of its robots"));
+        let legacy = cells.get(cell).and_then(|cell| cell.robots.get(robot));
+        let Some(legacy) = legacy.map(Arc::clone) else {
+            unreachable!("a plan's legacy robot is one of its robots");
+        };
         Ok(Self {
             server: plan.server,
             cells,

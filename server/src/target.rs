@@ -86,9 +86,8 @@ impl RobotPlan {
     }
 
     fn solve(&self, point: &Xyzwpr, speed: MmPerSec) -> Result<(WireMove, Solution), Refusal> {
-        let max = f64::from(self.max_speed);
-        // The comparison is written so that NaN is refused.
-        if !(speed.0 <= max) || speed.0 < f64::from(MIN_SPEED) || speed.0.fract() != 0.0 {
+        let range = f64::from(MIN_SPEED)..=f64::from(self.max_speed);
+        if !range.contains(&speed.0) || speed.0.fract() != 0.0 {
             return Err(Refusal::Speed {
                 value: speed,
                 max: self.max_speed,
@@ -263,11 +262,13 @@ impl Refusal {
             },
             Self::Joints(_) | Self::OtherBranch { .. } => vec![whole("target.joints", None)],
             Self::JointLimits(violations)
-            | Self::Kinematics(IkError::JointLimit { violations, .. })
-            | Self::Kinematics(IkError::NoSolutionInConfiguration {
-                obstacle: Obstacle::Limits(violations),
-                ..
-            }) => violations.iter().map(limit_violation).collect(),
+            | Self::Kinematics(
+                IkError::JointLimit { violations, .. }
+                | IkError::NoSolutionInConfiguration {
+                    obstacle: Obstacle::Limits(violations),
+                    ..
+                },
+            ) => violations.iter().map(limit_violation).collect(),
             Self::Singular { singularity } => measures(singularity)
                 .into_iter()
                 .filter(|(_, measure, threshold)| measure < threshold)

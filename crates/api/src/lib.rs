@@ -5,6 +5,7 @@
 //! Requests refuse unknown and duplicate keys; answers may grow, so clients ignore keys they do not know.
 
 mod description;
+mod health;
 mod kinematics;
 mod legacy;
 mod motion;
@@ -13,6 +14,7 @@ mod problem;
 mod state;
 
 pub use description::{CellSummary, JointDescription, RobotDescription, RobotSummary, Tier};
+pub use health::{LinkReadiness, Liveness, Readiness};
 pub use kinematics::{
     BranchBody, ForwardBody, ForwardResult, InverseBody, InverseResult, JointMargin,
     SingularityBody,

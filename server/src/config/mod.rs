@@ -7,6 +7,7 @@ mod robot;
 
 use serde::Deserialize;
 
+pub(crate) use plan::MAX_DEADLINE_MS;
 pub use plan::{ConfigError, Plan, ServerPlan};
 pub use robot::{CellPlan, RobotPlan};
 

@@ -91,17 +91,19 @@ impl From<BodyError> for LegacyError {
     }
 }
 
-/// The words FastAPI's clients know, from serde's message.
+/// The words the seed's clients know, from serde's message.
 fn kind_of(message: &str) -> &'static str {
     const KINDS: [(&str, &str); 3] = [
         ("missing field", "missing"),
         ("unknown field", "extra_forbidden"),
         ("duplicate field", "duplicate"),
     ];
-    KINDS
-        .iter()
-        .find(|(begin, _)| message.starts_with(begin))
-        .map_or("float_type", |(_, kind)| kind)
+    let known = KINDS.iter().find(|(begin, _)| message.starts_with(begin));
+    match known {
+        Some((_, kind)) => kind,
+        None if message.ends_with("expected f64") => "float_type",
+        None => "type_error",
+    }
 }
 
 impl IntoResponse for LegacyError {

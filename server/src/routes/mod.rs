@@ -1,9 +1,15 @@
 //! The routes, one file a resource. `routes!` registers a handler and its description in one step, so that no route
 //! can miss the OpenAPI document.
 
+mod cells;
+mod health;
+mod kinematics;
 mod legacy;
 mod legacy_error;
+mod motions;
+mod params;
 mod responses;
+mod robots;
 
 use std::sync::Arc;
 
@@ -19,4 +25,17 @@ pub(crate) fn documented() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(legacy::fanuc_home))
         .routes(routes!(legacy::fanuc_delta))
         .routes(routes!(legacy::version))
+        .routes(routes!(cells::list_cells))
+        .routes(routes!(cells::get_cell))
+        .routes(routes!(cells::list_robots))
+        .routes(routes!(robots::get_robot))
+        .routes(routes!(robots::get_robot_description))
+        .routes(routes!(robots::get_robot_state))
+        .routes(routes!(kinematics::forward))
+        .routes(routes!(kinematics::inverse))
+        .routes(routes!(motions::create_motion, motions::list_motions))
+        .routes(routes!(motions::get_motion))
+        .routes(routes!(health::livez))
+        .routes(routes!(health::readyz))
+        .routes(routes!(health::metrics))
 }

@@ -6,5 +6,14 @@
     reason = "helpers of tests: a failure here fails the test"
 )]
 
+mod bad_bodies;
+mod deltas;
+mod document;
+mod health;
+mod kinematics;
 mod legacy_moves;
+mod link_failures;
+mod link_queue;
+mod motions;
+mod serving;
 mod support;

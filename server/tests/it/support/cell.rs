@@ -80,3 +80,10 @@ impl TestServer {
         client::request(self.address, method, path, headers, body).await
     }
 }
+
+/// Where the motions of `r1` are.
+pub(crate) const MOTIONS: &str = "/api/v1/cells/c1/robots/r1/motions";
+
+/// A motion the arm can do.
+pub(crate) const MOTION: &str = r#"{"type": "JOINT", "speed_mm_s": 200, "target": {"pose":
+    {"x_mm": 985, "y_mm": 0, "z_mm": 940, "w_deg": 180, "p_deg": 0, "r_deg": 0}}}"#;

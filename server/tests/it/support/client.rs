@@ -67,10 +67,13 @@ pub(crate) async fn request(
     for (name, value) in headers {
         text.push_str(&format!("{name}: {value}\r\n"));
     }
-    text.push_str(&format!("content-length: {}\r\n\r\n{body}", body.len()));
-    stream.write_all(text.as_bytes()).await.unwrap();
+    if !headers.iter().any(|(name, _)| *name == "transfer-encoding") {
+        text.push_str(&format!("content-length: {}\r\n", body.len()));
+    }
+    text.push_str(&format!("\r\n{body}"));
+    // A server that does not want the body may close before all of it is written, or reset after its answer.
+    let _written = stream.write_all(text.as_bytes()).await;
     let mut answer = Vec::new();
-    // A reset after the answer is the server closing on a body it did not want.
     let _end = stream.read_to_end(&mut answer).await;
     HttpReply::parse(&answer)
 }

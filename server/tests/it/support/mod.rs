@@ -2,11 +2,13 @@
 
 mod cell;
 mod client;
+mod connector;
 mod robot;
 
-pub(crate) use cell::{MODEL, TestServer, robot_section};
+pub(crate) use cell::{MODEL, MOTION, MOTIONS, TestServer, robot_section};
 pub(crate) use client::HttpReply;
-pub(crate) use robot::{Act, FakeRobot};
+pub(crate) use connector::{Attempt, ScriptedNetwork};
+pub(crate) use robot::{ACCEPTED, Act, FakeRobot};
 
 use std::time::{Duration, Instant};
 

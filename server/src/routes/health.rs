@@ -1,0 +1,68 @@
+//! For whoever watches the server.
+
+use std::sync::Arc;
+
+use api::{LinkReadiness, Liveness, Readiness};
+use axum::Json;
+use axum::extract::State;
+use axum::http::{HeaderName, StatusCode, header};
+
+use super::responses::AnyProblem;
+use crate::state::{App, Robot};
+
+/// Says that the process answers.
+#[utoipa::path(
+    get, path = "/livez", tag = "health",
+    responses((status = 200, description = "It answers.", body = Liveness), AnyProblem),
+)]
+pub(super) async fn livez() -> Json<Liveness> {
+    Json(Liveness { alive: true })
+}
+
+/// Says whether the server takes commands.
+#[utoipa::path(
+    get, path = "/readyz", tag = "health",
+    responses(
+        (status = 200, description = "Every link takes commands.", body = Readiness),
+        (status = 503, description = "A link does not, as when the server is stopping.", body = Readiness),
+        AnyProblem,
+    ),
+)]
+pub(super) async fn readyz(State(app): State<Arc<App>>) -> (StatusCode, Json<Readiness>) {
+    let links: Vec<_> = robots(&app).map(|robot| link_readiness(robot)).collect();
+    let ready = links.iter().all(|link| link.running);
+    let status = if ready {
+        StatusCode::OK
+    } else {
+        StatusCode::SERVICE_UNAVAILABLE
+    };
+    (status, Json(Readiness { ready, links }))
+}
+
+/// Counts and durations, in the Prometheus text format.
+#[utoipa::path(
+    get, path = "/metrics", tag = "health",
+    responses((status = 200, description = "The metrics.", body = String, content_type = "text/plain; version=0.0.4"), AnyProblem),
+)]
+pub(super) async fn metrics(
+    State(app): State<Arc<App>>,
+) -> ([(HeaderName, &'static str); 1], String) {
+    for robot in robots(&app) {
+        robot.metrics.queued(robot.link.depth().0);
+    }
+    let media_type = "text/plain; version=0.0.4; charset=utf-8";
+    ([(header::CONTENT_TYPE, media_type)], app.metrics.render())
+}
+
+fn robots(app: &App) -> impl Iterator<Item = &Arc<Robot>> {
+    app.cells.iter().flat_map(|cell| &cell.robots)
+}
+
+fn link_readiness(robot: &Robot) -> LinkReadiness {
+    LinkReadiness {
+        cell: robot.plan.cell.clone(),
+        robot: robot.plan.id.clone(),
+        running: robot.link.is_running(),
+        state: robot.link.status().state,
+    }
+}
