@@ -113,6 +113,10 @@ impl Answer {
         }
     }
 
+    pub(crate) fn status(&self) -> StatusCode {
+        self.status
+    }
+
     /// This answer, if its status says yes.
     pub(crate) fn success(self) -> Result<Self, ClientError> {
         if self.status.is_success() {

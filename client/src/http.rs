@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use reqwest::{Method, RequestBuilder, Url};
+use reqwest::{Method, RequestBuilder, StatusCode, Url};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use uuid::Uuid;
@@ -160,12 +160,25 @@ impl Exchange {
 
     /// Sends the request and reads a JSON answer.
     pub(crate) async fn json<T: DeserializeOwned>(self) -> Result<T, ClientError> {
-        self.send().await?.json()
+        self.send().await?.success()?.json()
+    }
+
+    /// As [`Exchange::json`], where an answer with this status is a value, too.
+    pub(crate) async fn json_even_at<T: DeserializeOwned>(
+        self,
+        status: StatusCode,
+    ) -> Result<T, ClientError> {
+        let answer = self.send().await?;
+        if answer.status() == status {
+            answer.json()
+        } else {
+            answer.success()?.json()
+        }
     }
 
     /// Sends the request and reads a text answer.
     pub(crate) async fn text(self) -> Result<String, ClientError> {
-        self.send().await?.text()
+        self.send().await?.success()?.text()
     }
 
     async fn send(self) -> Result<Answer, ClientError> {
@@ -173,6 +186,6 @@ impl Exchange {
             Ok(response) => response,
             Err(error) => return Err(self.call.broken(error)),
         };
-        Answer::read(self.call, response).await?.success()
+        Answer::read(self.call, response).await
     }
 }

@@ -1,6 +1,7 @@
-use api::{CellSummary, LegacyVersion, RobotSummary};
+use api::{CellSummary, LegacyVersion, Liveness, Readiness, RobotSummary};
+use reqwest::StatusCode;
 
-use crate::http::{Effect, Http};
+use crate::http::{Effect, Exchange, Http};
 use crate::{ClientError, Robot, Timeouts};
 
 /// The server's HTTP API. Cheap to clone.
@@ -81,20 +82,22 @@ impl Client {
         self.question(&["version"]).json().await
     }
 
-    /// Succeeds if the server's process answers.
+    /// Asks whether the server's process answers.
     ///
     /// # Errors
     /// As all calls: see [`ClientError`].
-    pub async fn livez(&self) -> Result<(), ClientError> {
-        self.question(&["livez"]).text().await.map(drop)
+    pub async fn livez(&self) -> Result<Liveness, ClientError> {
+        self.question(&["livez"]).json().await
     }
 
-    /// Succeeds if the server takes commands.
+    /// Asks whether the server takes commands. A server that says no is an answer, not an error.
     ///
     /// # Errors
     /// As all calls: see [`ClientError`].
-    pub async fn readyz(&self) -> Result<(), ClientError> {
-        self.question(&["readyz"]).text().await.map(drop)
+    pub async fn readyz(&self) -> Result<Readiness, ClientError> {
+        self.question(&["readyz"])
+            .json_even_at(StatusCode::SERVICE_UNAVAILABLE)
+            .await
     }
 
     /// The server's metrics in the Prometheus text format.
@@ -105,7 +108,7 @@ impl Client {
         self.question(&["metrics"]).text().await
     }
 
-    fn question(&self, path: &[&str]) -> crate::http::Exchange {
+    fn question(&self, path: &[&str]) -> Exchange {
         self.http.get(path, Effect::Question)
     }
 }

@@ -39,7 +39,12 @@ async fn every_route_has_its_path() {
         let point = json!({"current_position":
             {"x": 985.0, "y": 0.0, "z": 940.0, "w": -180.0, "p": 0.0, "r": 0.0}});
         match seen.line.as_str() {
-            "GET /livez" | "GET /readyz" => text("ok"),
+            "GET /livez" => Answer::Json(json!({"alive": true})),
+            "GET /readyz" => Answer::Raw {
+                status: 503,
+                media_type: "application/json",
+                body: r#"{"ready": false, "links": []}"#.to_owned(),
+            },
             "GET /metrics" => text("cell_motions_total 1\n"),
             "GET /version" => Answer::Json(json!({"version": ["0.1.0"]})),
             "GET /api/v1/cells/demo" => Answer::Json(samples::cells(&["r1"])[0].clone()),
@@ -52,8 +57,8 @@ async fn every_route_has_its_path() {
     })
     .await;
     let client = Client::new(&fake.url()).unwrap();
-    client.livez().await.unwrap();
-    client.readyz().await.unwrap();
+    assert!(client.livez().await.unwrap().alive);
+    assert!(!client.readyz().await.unwrap().ready);
     assert_eq!(client.metrics().await.unwrap(), "cell_motions_total 1\n");
     assert_eq!(client.version().await.unwrap().version, ["0.1.0"]);
     assert_eq!(client.cell("demo").await.unwrap().id, "demo");
@@ -200,7 +205,7 @@ async fn a_connection_cut_before_the_answer_is_a_doubt_and_nothing_is_sent_twice
             }
             if bytes.starts_with(b"GET /livez") {
                 socket
-                    .write_all(b"HTTP/1.1 200 OK\r\ncontent-length: 0\r\nconnection: close\r\n\r\n")
+                    .write_all(b"HTTP/1.1 200 OK\r\ncontent-length: 15\r\nconnection: close\r\n\r\n{\"alive\": true}")
                     .await
                     .unwrap();
                 break;
@@ -220,7 +225,7 @@ async fn a_connection_cut_before_the_answer_is_a_doubt_and_nothing_is_sent_twice
         "{error:?}"
     );
     assert_eq!(error.outcome(), Outcome::Unknown);
-    client.livez().await.unwrap();
+    assert!(client.livez().await.unwrap().alive);
     assert_eq!(connections.await.unwrap(), 1);
 }
 
