@@ -5,15 +5,17 @@ use std::panic::AssertUnwindSafe;
 use std::pin::pin;
 use std::sync::Arc;
 use std::task::Poll;
+use std::time::Duration;
 
 use api::{Outcome, ProblemCode};
 use axum::extract::{MatchedPath, Request, State};
 use axum::http::{HeaderValue, Method, StatusCode, header};
 use axum::middleware::Next;
-use axum::response::Response;
+use axum::response::{IntoResponse as _, Response};
 use tokio::time::{Instant, timeout};
 use tracing::Instrument as _;
 
+use crate::guard;
 use crate::problem::Problem;
 use crate::request_id::{self, RequestId};
 use crate::state::App;
@@ -32,20 +34,17 @@ pub(crate) async fn edge(
     let span =
         tracing::info_span!("request", request_id = &*request_id, %method, path = uri.path());
 
-    let handled = catch_panic(next.run(request)).instrument(span.clone());
-    let mut response = match timeout(app.server.request_timeout, handled).await {
-        Ok(Some(response)) => response,
-        Ok(None) => problem_response(internal(&method)),
-        Err(_) => problem_response(
-            Problem::new(
-                ProblemCode::RequestTimeout,
-                format!(
-                    "the request was not answered within {} ms",
-                    app.server.request_timeout.as_millis()
-                ),
-            )
-            .outcome(outcome_after(&method)),
-        ),
+    let limit = app.server.request_timeout;
+    let mut response = match guard::check(&method, request.headers(), &app.server.allowed_hosts) {
+        Ok(()) => {
+            let handled = catch_panic(next.run(request)).instrument(span.clone());
+            match timeout(limit, handled).await {
+                Ok(Some(response)) => response,
+                Ok(None) => internal(&method).into_response(),
+                Err(_) => too_long(&method, limit).into_response(),
+            }
+        }
+        Err(problem) => problem.into_response(),
     };
     if let Some(problem) = response.extensions_mut().remove::<Problem>() {
         response = problem.into_answer(uri.path(), &request_id);
@@ -89,9 +88,12 @@ async fn catch_panic(handled: impl Future<Output = Response>) -> Option<Response
     .await
 }
 
-fn problem_response(problem: Problem) -> Response {
-    use axum::response::IntoResponse as _;
-    problem.into_response()
+fn too_long(method: &Method, limit: Duration) -> Problem {
+    let detail = format!(
+        "the request was not answered within {} ms",
+        limit.as_millis()
+    );
+    Problem::new(ProblemCode::RequestTimeout, detail).outcome(outcome_after(method))
 }
 
 fn internal(method: &Method) -> Problem {
@@ -111,17 +113,74 @@ fn outcome_after(method: &Method) -> Outcome {
     }
 }
 
+/// axum's own answer is empty; its `Allow` header is kept, or added by the router outside of this layer.
 fn method_not_allowed(method: &Method, bare: &Response, path: &str, request_id: &str) -> Response {
-    let allow = bare.headers().get(header::ALLOW).cloned();
-    let allowed = allow
-        .as_ref()
-        .and_then(|allow| allow.to_str().ok())
-        .unwrap_or("none");
-    let detail = format!("{method} is not allowed here; allowed: {allowed}");
-    let mut response =
-        Problem::new(ProblemCode::MethodNotAllowed, detail).into_answer(path, request_id);
-    if let Some(allow) = allow {
-        let _none = response.headers_mut().insert(header::ALLOW, allow);
+    let detail = format!("{method} is not allowed here; the Allow header says what is");
+    let problem = Problem::new(ProblemCode::MethodNotAllowed, detail);
+    let mut response = problem.into_answer(path, request_id);
+    if let Some(allow) = bare.headers().get(header::ALLOW) {
+        let _none = response.headers_mut().insert(header::ALLOW, allow.clone());
     }
     response
+}
+
+#[cfg(test)]
+mod tests {
+    use axum::body::{Body, to_bytes};
+    use axum::routing::post;
+    use axum::{Router, middleware};
+    use tokio_util::sync::CancellationToken;
+    use tokio_util::task::TaskTracker;
+    use tower::ServiceExt as _;
+
+    use super::*;
+    use crate::config::{CellSection, Plan, RobotSection, ServerSection};
+    use crate::{Seams, SystemClock, TcpConnector};
+
+    fn app() -> Arc<App> {
+        let cell = CellSection {
+            id: "c1".to_owned(),
+            name: None,
+            robots: vec![RobotSection::new("r1", "fanuc-m20ia", "127.0.0.1:1")],
+        };
+        let plan = Plan::try_new(&ServerSection::default(), &[cell]).unwrap();
+        let seams = Seams {
+            connector: TcpConnector::default(),
+            clock: Arc::new(SystemClock),
+        };
+        let (tracker, stop) = (TaskTracker::new(), CancellationToken::new());
+        let routes = std::iter::empty();
+        Arc::new(App::start(plan, seams, routes, &tracker, &stop).unwrap())
+    }
+
+    async fn problem_of(router: Router<Arc<App>>) -> (StatusCode, api::Problem) {
+        let app = app();
+        let router = router
+            .layer(middleware::from_fn_with_state(Arc::clone(&app), edge))
+            .with_state(app);
+        let request = Request::post("/").body(Body::empty()).unwrap();
+        let response = router.oneshot(request).await.unwrap();
+        let status = response.status();
+        let body = to_bytes(response.into_body(), 10_000).await.unwrap();
+        (status, serde_json::from_slice(&body).unwrap())
+    }
+
+    #[tokio::test]
+    async fn a_panic_in_a_handler_is_a_problem_and_leaves_open_what_was_done() {
+        let router = Router::new().route("/", post(async || -> () { panic!("secret") }));
+        let (status, problem) = problem_of(router).await;
+        assert_eq!(status, StatusCode::INTERNAL_SERVER_ERROR);
+        assert_eq!(problem.code, ProblemCode::Internal);
+        assert_eq!(problem.outcome, Outcome::Unknown);
+        assert!(!problem.detail.contains("secret"));
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn a_handler_that_is_stuck_is_cut_off() {
+        let router = Router::new().route("/", post(async || std::future::pending::<()>().await));
+        let (status, problem) = problem_of(router).await;
+        assert_eq!(status, StatusCode::REQUEST_TIMEOUT);
+        assert_eq!(problem.outcome, Outcome::Unknown);
+        assert!(problem.detail.contains("75000 ms"), "{}", problem.detail);
+    }
 }

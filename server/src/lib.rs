@@ -5,6 +5,7 @@ mod commands;
 pub mod config;
 mod edge;
 mod extract;
+mod guard;
 mod link;
 mod metrics;
 mod motion_store;

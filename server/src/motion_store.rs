@@ -13,7 +13,7 @@ use crate::clock::WallClock;
 use crate::config::RobotPlan;
 use crate::request_id::RequestId;
 use crate::target::{Prepared, sent_point};
-use crate::wire_bodies::pose_body;
+use crate::wire_bodies::{joints_body, pose_body};
 
 /// How many motions a robot remembers.
 pub(crate) const CAPACITY: usize = 1_000;
@@ -209,7 +209,7 @@ impl Record {
             completion: api::Completion::NotObservable,
             tier: plan.tier,
             target: pose_body(&sent_point(&self.prepared.wire)),
-            expected_joints: self.prepared.joints.degrees().into(),
+            expected_joints: joints_body(&self.prepared.joints),
             speed_mm_s: self.prepared.wire.command().speed.0,
             created_at: self.created_at,
             ended_at,
@@ -226,4 +226,84 @@ fn new_id(ids: &ContextV7, at: Timestamp) -> Uuid {
     let seconds = u64::try_from(at.as_second()).unwrap_or(0);
     let nanos = u32::try_from(at.subsec_nanosecond()).unwrap_or(0);
     Uuid::new_v7(uuid::Timestamp::from_unix(ids, seconds, nanos))
+}
+
+#[cfg(test)]
+mod tests {
+    use axum::http::HeaderMap;
+    use kinematics::ArmModel;
+    use protocol::MoveCommand;
+    use units::{Degrees, Millimeters, MmPerSec};
+
+    use super::*;
+
+    /// A clock that goes backwards.
+    #[derive(Debug)]
+    struct Backwards(Mutex<i64>);
+
+    impl WallClock for Backwards {
+        fn now(&self) -> Timestamp {
+            let mut second = self.0.lock().unwrap();
+            *second -= 1;
+            Timestamp::from_second(*second).unwrap()
+        }
+    }
+
+    fn store() -> MotionStore {
+        MotionStore::new(Arc::new(Backwards(Mutex::new(1_800_000_000))))
+    }
+
+    fn queue(store: &MotionStore) -> Uuid {
+        let wire = MoveCommand {
+            x: Millimeters(1.0),
+            y: Millimeters(2.0),
+            z: Millimeters(3.0),
+            w: Degrees(4.0),
+            p: Degrees(5.0),
+            r: Degrees(6.0),
+            speed: MmPerSec(7.0),
+        };
+        let prepared = Prepared {
+            motion_type: api::MotionType::Joint,
+            wire: wire.to_wire().unwrap(),
+            joints: ArmModel::builtin("fanuc-m20ia").unwrap().home(),
+        };
+        let request_id = RequestId::of(&HeaderMap::new(), || Timestamp::UNIX_EPOCH);
+        store.queue(prepared, request_id, None)
+    }
+
+    #[test]
+    fn ids_sort_by_creation_even_where_the_clock_goes_backwards() {
+        let store = store();
+        let ids: Vec<_> = (0..100).map(|_| queue(&store)).collect();
+        assert!(ids.is_sorted());
+        assert!(ids.iter().all(|id| store.get(*id).is_some()));
+    }
+
+    #[test]
+    fn the_oldest_motion_that_ended_is_forgotten_and_one_that_has_not_is_kept() {
+        let store = store();
+        let pending = queue(&store);
+        let ended: Vec<_> = (1..CAPACITY).map(|_| queue(&store)).collect();
+        for id in &ended {
+            let _at = store.end(*id, End::Accepted);
+        }
+        let newest = queue(&store);
+        assert!(store.get(pending).is_some());
+        assert!(store.get(ended[0]).is_none());
+        assert!(store.get(ended[1]).is_some());
+        let (all, more) = store.page(None, CAPACITY + 1);
+        assert_eq!((all.len(), more), (CAPACITY, false));
+        assert_eq!(all[0].id, newest);
+    }
+
+    #[test]
+    fn a_page_goes_on_where_the_one_before_ended() {
+        let store = store();
+        let ids: Vec<_> = (0..3).map(|_| queue(&store)).collect();
+        let (page, more) = store.page(None, 2);
+        assert_eq!((page[0].id, page[1].id, more), (ids[2], ids[1], true));
+        let (page, more) = store.page(Some(ids[1]), 2);
+        assert_eq!((page.len(), page[0].id, more), (1, ids[0], false));
+    }
 }

@@ -49,6 +49,11 @@ impl Problem {
         Self::new(code, detail).outcome(Outcome::NotSent)
     }
 
+    #[cfg(test)]
+    pub(crate) fn code(&self) -> ProblemCode {
+        self.0.body.code
+    }
+
     pub(crate) fn not_found(detail: impl Into<String>) -> Self {
         Self::new(ProblemCode::NotFound, detail)
     }

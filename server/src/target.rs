@@ -12,6 +12,7 @@ use thiserror::Error;
 use units::{Degrees, MmPerSec};
 
 use crate::config::RobotPlan;
+use crate::wire_bodies::shown;
 
 /// A move that passed every check: only such a move reaches a link.
 #[derive(Clone, Copy, Debug)]
@@ -308,7 +309,7 @@ fn limit_violation(violation: &kinematics::LimitViolation) -> Violation {
     Violation {
         item: violation.joint.to_string(),
         message: violation.to_string(),
-        value: Some(violation.value.0),
+        value: Some(shown(violation.value.0)),
         min: Some(violation.limits.min.0),
         max: Some(violation.limits.max.0),
     }
@@ -323,10 +324,10 @@ pub(crate) fn margins(plan: &RobotPlan, joints: &PendantJoints) -> Vec<api::Join
             let value: Degrees = joints.of(axis);
             api::JointMargin {
                 joint: axis.to_string(),
-                value_deg: value.0,
+                value_deg: shown(value.0),
                 min_deg: limits.min.0,
                 max_deg: limits.max.0,
-                margin_deg: limits.margin(value).0,
+                margin_deg: shown(limits.margin(value).0),
             }
         })
         .collect()

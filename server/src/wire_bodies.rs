@@ -1,17 +1,28 @@
 //! Between the API's bodies and the types inside.
 
-use api::{LegacyPoint, PoseBody, SingularityBody};
-use kinematics::{Singularity, Xyzwpr};
+use api::{JointsBody, LegacyPoint, PoseBody, SingularityBody};
+use kinematics::{PendantJoints, Singularity, Xyzwpr};
 use units::{Degrees, Millimeters};
+
+/// A number as people read it: to a millionth of a thousandth, so that 500 does not come back as 500.00000000000006
+/// from its way through radians.
+pub(crate) fn shown(value: f64) -> f64 {
+    // Adding zero makes a negative zero positive.
+    (value * 1e9).round() / 1e9 + 0.0
+}
+
+pub(crate) fn joints_body(joints: &PendantJoints) -> JointsBody {
+    joints.degrees().map(shown).into()
+}
 
 pub(crate) fn pose_body(point: &Xyzwpr) -> PoseBody {
     PoseBody {
-        x_mm: point.x.0,
-        y_mm: point.y.0,
-        z_mm: point.z.0,
-        w_deg: point.w.0,
-        p_deg: point.p.0,
-        r_deg: point.r.0,
+        x_mm: shown(point.x.0),
+        y_mm: shown(point.y.0),
+        z_mm: shown(point.z.0),
+        w_deg: shown(point.w.0),
+        p_deg: shown(point.p.0),
+        r_deg: shown(point.r.0),
     }
 }
 

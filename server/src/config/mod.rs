@@ -17,6 +17,10 @@ pub use robot::{CellPlan, RobotPlan};
 pub struct ServerSection {
     /// Where to listen, `address:port`. Port 0 takes any free port.
     pub listen: String,
+    /// Whether `listen` may be an address other machines reach. Nothing asks a caller who it is yet.
+    pub allow_remote: bool,
+    /// Host names callers may use for this server, besides its addresses and `localhost`.
+    pub allowed_hosts: Vec<String>,
     /// The robot the seed's own routes drive, `cell/robot`. Where there is only one robot it is that one.
     pub legacy_robot: Option<String>,
     /// The largest request body read, in bytes.
@@ -37,6 +41,8 @@ impl Default for ServerSection {
     fn default() -> Self {
         Self {
             listen: "127.0.0.1:8080".to_owned(),
+            allow_remote: false,
+            allowed_hosts: Vec::new(),
             legacy_robot: None,
             max_body_bytes: 64 * 1024,
             header_timeout_ms: 5_000,

@@ -23,6 +23,7 @@ pub struct Plan {
 pub struct ServerPlan {
     /// Where to listen.
     pub listen: SocketAddr,
+    pub(crate) allowed_hosts: Vec<String>,
     pub(crate) max_body_bytes: usize,
     pub(crate) header_timeout: Duration,
     pub(crate) body_timeout: Duration,
@@ -66,7 +67,7 @@ impl Plan {
 
 impl ServerPlan {
     fn try_new(section: &ServerSection) -> Result<Self, ConfigError> {
-        let listen = section.listen.parse().map_err(|_| {
+        let listen: SocketAddr = section.listen.parse().map_err(|_| {
             ConfigError::new(
                 "server.listen",
                 format!(
@@ -75,12 +76,21 @@ impl ServerPlan {
                 ),
             )
         })?;
+        if !listen.ip().is_loopback() && !section.allow_remote {
+            return Err(ConfigError::new(
+                "server.listen",
+                format!(
+                    "other machines reach {listen}, and nothing asks them who they are; `allow_remote = true` permits it"
+                ),
+            ));
+        }
         let millis = |name: &str, value, min, max| {
             in_range(&format!("server.{name}"), value, min, max).map(Duration::from_millis)
         };
         let body_timeout = millis("body_timeout_ms", section.body_timeout_ms, 1, 60_000)?;
         Ok(Self {
             listen,
+            allowed_hosts: section.allowed_hosts.clone(),
             max_body_bytes: count(
                 "server.max_body_bytes",
                 section.max_body_bytes,

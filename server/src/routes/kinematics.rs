@@ -14,12 +14,12 @@ use axum::Json;
 use kinematics::{PendantJoints, Pose, Seed, Solution};
 
 use super::params::RobotOf;
-use super::responses::{AnyProblem, BodyProblem, InvalidJson, NotFound};
+use super::responses::{AnyProblem, BodyProblem, CrossSite, InvalidJson, NotFound};
 use crate::config::RobotPlan;
 use crate::extract::JsonBody;
 use crate::problem::Problem;
 use crate::target::{Refusal, margins};
-use crate::wire_bodies::{point_of, pose_body, singularity_body};
+use crate::wire_bodies::{joints_body, point_of, pose_body, shown, singularity_body};
 
 const POSE: [&str; 6] = [
     "pose.x_mm",
@@ -43,7 +43,7 @@ const POSE: [&str; 6] = [
     responses(
         (status = 200, description = "The pose.", body = ForwardResult),
         (status = 422, description = "`validation`: the body does not fit.", body = api::Problem, content_type = "application/problem+json"),
-        InvalidJson, NotFound, BodyProblem, AnyProblem,
+        CrossSite, InvalidJson, NotFound, BodyProblem, AnyProblem,
     ),
 )]
 pub(super) async fn forward(
@@ -76,7 +76,7 @@ pub(super) async fn forward(
         (status = 200, description = "The branches.", body = InverseResult),
         (status = 422, description = "`validation`: the body does not fit. `out-of-workspace`, `joint-limit-exceeded`: no joint set, or none inside the limits.",
             body = api::Problem, content_type = "application/problem+json"),
-        InvalidJson, NotFound, BodyProblem, AnyProblem,
+        CrossSite, InvalidJson, NotFound, BodyProblem, AnyProblem,
     ),
 )]
 pub(super) async fn inverse(
@@ -164,11 +164,11 @@ fn squares(near: &PendantJoints, solution: &Solution) -> f64 {
 
 fn branch_body(plan: &RobotPlan, near: &PendantJoints, solution: &Solution) -> BranchBody {
     BranchBody {
-        joints: solution.joints.degrees().into(),
+        joints: joints_body(&solution.joints),
         configuration: solution.configuration.to_string(),
         within_limits: solution.within_limits(),
         margins: margins(plan, &solution.joints),
         singularity: singularity_body(&solution.singularity),
-        distance_deg: differences(near, solution).fold(0.0, f64::max),
+        distance_deg: shown(differences(near, solution).fold(0.0, f64::max)),
     }
 }

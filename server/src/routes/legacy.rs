@@ -13,7 +13,7 @@ use serde::de::DeserializeOwned;
 use units::MmPerSec;
 
 use super::legacy_error::{LegacyError, Names};
-use super::responses::{AnyProblem, BodyProblem, LinkProblem};
+use super::responses::{AnyProblem, BodyProblem, CrossSite, LinkProblem};
 use crate::commands::Accepted;
 use crate::extract::read_json;
 use crate::request_id::RequestId;
@@ -37,7 +37,7 @@ const DEFAULT_VELOCITY: u16 = 200;
         (status = 409, description = "The controller or the server's kinematics refused the point, or its deadline passed in the queue. Nothing moved.",
             content((LegacyRefusal = "application/json"), (api::Problem = "application/problem+json"))),
         (status = 422, description = "The body or the velocity does not fit.", body = LegacyValidation),
-        AnyProblem, BodyProblem, LinkProblem,
+        CrossSite, AnyProblem, BodyProblem, LinkProblem,
     ),
 )]
 pub(super) async fn fanuc_move(
@@ -67,7 +67,7 @@ pub(super) async fn fanuc_move(
         (status = 409, description = "The controller refused the point, or its deadline passed in the queue. Nothing moved.",
             content((LegacyRefusal = "application/json"), (api::Problem = "application/problem+json"))),
         (status = 422, description = "The velocity does not fit.", body = LegacyValidation),
-        AnyProblem, LinkProblem,
+        CrossSite, AnyProblem, LinkProblem,
     ),
 )]
 pub(super) async fn fanuc_home(
@@ -100,7 +100,7 @@ pub(super) async fn fanuc_home(
         (status = 409, description = "There is no target to count from, the new point was refused, or its deadline passed in the queue. Nothing moved.",
             content((LegacyRefusal = "application/json"), (api::Problem = "application/problem+json"))),
         (status = 422, description = "The body or the velocity does not fit.", body = LegacyValidation),
-        AnyProblem, BodyProblem, LinkProblem,
+        CrossSite, AnyProblem, BodyProblem, LinkProblem,
     ),
 )]
 pub(super) async fn fanuc_delta(

@@ -8,7 +8,7 @@ use axum::http::{HeaderName, StatusCode, header};
 use units::MmPerSec;
 
 use super::params::{MAX_PAGE, MotionId, Page, RobotOf};
-use super::responses::{AnyProblem, BodyProblem, InvalidJson, LinkProblem, NotFound};
+use super::responses::{AnyProblem, BodyProblem, CrossSite, InvalidJson, LinkProblem, NotFound};
 use crate::commands::{CommandFailure, no_base};
 use crate::config::{MAX_DEADLINE_MS, RobotPlan};
 use crate::extract::JsonBody;
@@ -49,7 +49,7 @@ const MAX_REASON: usize = 200;
             body = api::Problem, content_type = "application/problem+json"),
         (status = 422, description = "`validation`: the body does not fit. `out-of-workspace`, `joint-limit-exceeded`, `no-solution-in-configuration`, `singularity`: the arm cannot do it. Nothing was sent.",
             body = api::Problem, content_type = "application/problem+json"),
-        InvalidJson, NotFound, BodyProblem, LinkProblem, AnyProblem,
+        CrossSite, InvalidJson, NotFound, BodyProblem, LinkProblem, AnyProblem,
     ),
 )]
 pub(super) async fn create_motion(

@@ -11,10 +11,18 @@ pub(crate) enum AnyProblem {
     /// `request-timeout`: the body did not arrive, or the request was not answered, in time.
     #[response(status = 408, content_type = "application/problem+json")]
     Timeout(Problem),
+    /// `host-not-allowed`: the Host header names a host this server does not answer for.
+    #[response(status = 421, content_type = "application/problem+json")]
+    Host(Problem),
     /// `internal`: a defect of the server.
     #[response(status = 500, content_type = "application/problem+json")]
     Internal(Problem),
 }
+
+/// `cross-site-request`: a page of another site made a browser send the request.
+#[derive(IntoResponses)]
+#[response(status = 403, content_type = "application/problem+json")]
+pub(crate) struct CrossSite(Problem);
 
 /// What can be wrong with the form of a JSON body.
 #[derive(IntoResponses)]

@@ -9,7 +9,7 @@ use super::responses::{AnyProblem, NotFound};
 use crate::config::RobotPlan;
 use crate::link::Base;
 use crate::target::sent_point;
-use crate::wire_bodies::pose_body;
+use crate::wire_bodies::{joints_body, pose_body};
 
 /// Describes a robot: model, joints, limits, frames.
 #[utoipa::path(
@@ -98,7 +98,7 @@ fn description(plan: &RobotPlan) -> RobotDescription {
             })
             .collect(),
         reach_mm: model.reach().0,
-        home: model.home().degrees().into(),
+        home: joints_body(&model.home()),
         configuration: plan.configuration.to_string(),
         tool: pose_body(&plan.frames.tool.xyzwpr()),
         user_frame: pose_body(&plan.frames.user_frame.xyzwpr()),

@@ -92,7 +92,7 @@ async fn a_key_that_is_missing_unknown_double_or_of_another_type_is_named() {
             &["body", "x"],
             "duplicate",
         ),
-        (r#"[985,0,940,180,0,0]"#, &["body"], "type_error"),
+        ("[985,0,940,180,0,0]", &["body"], "type_error"),
     ];
     for (body, loc, kind) in legacy_cases {
         let reply = server.post("/fanuc/move", body).await;

@@ -7,6 +7,7 @@
 )]
 
 mod bad_bodies;
+mod config;
 mod deltas;
 mod document;
 mod health;

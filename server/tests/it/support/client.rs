@@ -1,4 +1,6 @@
+use std::fmt::Write as _;
 use std::net::SocketAddr;
+use std::sync::LazyLock;
 
 use serde_json::Value;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
@@ -63,17 +65,59 @@ pub(crate) async fn request(
     body: &str,
 ) -> HttpReply {
     let mut stream = TcpStream::connect(address).await.unwrap();
-    let mut text = format!("{method} {path} HTTP/1.1\r\nhost: cell\r\nconnection: close\r\n");
+    let mut text = format!("{method} {path} HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\n");
     for (name, value) in headers {
-        text.push_str(&format!("{name}: {value}\r\n"));
+        write!(text, "{name}: {value}\r\n").unwrap();
     }
     if !headers.iter().any(|(name, _)| *name == "transfer-encoding") {
-        text.push_str(&format!("content-length: {}\r\n", body.len()));
+        write!(text, "content-length: {}\r\n", body.len()).unwrap();
     }
-    text.push_str(&format!("\r\n{body}"));
+    write!(text, "\r\n{body}").unwrap();
     // A server that does not want the body may close before all of it is written, or reset after its answer.
     let _written = stream.write_all(text.as_bytes()).await;
     let mut answer = Vec::new();
     let _end = stream.read_to_end(&mut answer).await;
-    HttpReply::parse(&answer)
+    let reply = HttpReply::parse(&answer);
+    assert_documented(method, path, &reply);
+    reply
+}
+
+/// Checks an answer against the OpenAPI document: the status is one the operation may have, of that media type.
+fn assert_documented(method: &str, path: &str, reply: &HttpReply) {
+    static DOCUMENT: LazyLock<Value> =
+        LazyLock::new(|| serde_json::to_value(server::openapi()).unwrap());
+    let document = &*DOCUMENT;
+    let path = path.split('?').next().unwrap();
+    let Some((_, item)) = document["paths"]
+        .as_object()
+        .unwrap()
+        .iter()
+        .find(|(template, _)| matches(template, path))
+    else {
+        return;
+    };
+    let Some(operation) = item.get(method.to_ascii_lowercase()) else {
+        assert_eq!(reply.status, 405, "{method} {path} is not documented");
+        return;
+    };
+    let Some(response) = operation["responses"].get(reply.status.to_string()) else {
+        panic!("{method} {path} answered {}, undocumented", reply.status);
+    };
+    let media_type = reply.header("content-type").unwrap_or("none");
+    let documented = response["content"]
+        .as_object()
+        .is_some_and(|content| content.keys().any(|known| media_type.starts_with(known)));
+    assert!(
+        documented,
+        "{method} {path} answered {} as {media_type}, undocumented",
+        reply.status
+    );
+}
+
+fn matches(template: &str, path: &str) -> bool {
+    let (templates, parts) = (template.split('/'), path.split('/'));
+    templates.clone().count() == parts.clone().count()
+        && templates
+            .zip(parts)
+            .all(|(template, part)| template == part || template.starts_with('{'))
 }

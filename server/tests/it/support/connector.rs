@@ -8,8 +8,6 @@ use tokio::net::TcpStream;
 /// What a connection attempt runs into.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(crate) enum Attempt {
-    /// It is made, as over any network.
-    Made,
     /// It is refused.
     Refused,
     /// Nobody answers.
@@ -52,7 +50,7 @@ impl Connector for ScriptedNetwork {
     async fn connect(&self, address: &ControllerAddress) -> io::Result<TcpStream> {
         let attempt = self.script.lock().unwrap().pop_front();
         match attempt {
-            None | Some(Attempt::Made) => TcpConnector::default().connect(address).await,
+            None => TcpConnector::default().connect(address).await,
             Some(Attempt::Refused) => Err(io::ErrorKind::ConnectionRefused.into()),
             Some(Attempt::BlackHole) => std::future::pending().await,
         }
