@@ -70,7 +70,7 @@ impl Branches {
         }
     }
 
-    /// The solutions; front before back, elbow up before down.
+    /// The solutions: no flip before flip, then front before back, then elbow up before down.
     pub fn iter(&self) -> impl Iterator<Item = &Solution> {
         self.solutions.iter().flatten()
     }

@@ -86,7 +86,11 @@ const QUOTED: usize = 40;
     clippy::cast_possible_truncation,
     reason = "the cast saturates, no joint turns 127 times"
 )]
+#[inline]
 pub(crate) fn turn_of(degrees: f64) -> i8 {
+    if degrees.abs() < 180.0 {
+        return 0;
+    }
     let turns = ((degrees.abs() + 180.0) / 360.0).floor();
     turns.copysign(degrees) as i8
 }

@@ -5,6 +5,7 @@ use std::fmt;
 use units::Millimeters;
 
 use crate::configuration::Configuration;
+use crate::joints::JointsError;
 use crate::limits::LimitViolations;
 
 /// Why a pose cannot be reached.
@@ -38,6 +39,9 @@ pub enum IkError {
         /// The configurations that would do, inside the limits.
         available: Vec<Configuration>,
     },
+    /// The joints to stay near are not joints.
+    #[error(transparent)]
+    NotFinite(#[from] JointsError),
 }
 
 /// Which bound a wrist center is beyond.

@@ -39,7 +39,9 @@
 )]
 
 mod branches;
+mod checked;
 mod configuration;
+mod coupling;
 mod dh;
 mod forward;
 mod frames;
@@ -47,12 +49,15 @@ mod geometry;
 mod ik_error;
 mod inverse;
 mod joints;
+mod lanes;
 mod limits;
 mod model;
 mod model_file;
 mod pose;
+mod posture;
 mod select;
 mod singularity;
+mod trigonometry;
 mod wpr;
 
 pub use branches::{Branches, Solution};

@@ -3,11 +3,12 @@
 use serde::Deserialize;
 use units::{DegPerSec, DegPerSec2, Degrees, Millimeters, Radians};
 
+use crate::coupling::Coupling;
 use crate::dh::DhLink;
 use crate::geometry::{Geometry, NotCovered};
 use crate::joints::{Axis, PendantJoints};
 use crate::limits::Limits;
-use crate::model::{ArmModel, Coupling};
+use crate::model::ArmModel;
 
 /// No link of an arm is longer.
 const MAX_LENGTH_MM: f64 = 100_000.0;
@@ -204,7 +205,15 @@ pub(crate) fn read(text: &str) -> Result<ArmModel, ModelError> {
         max_speeds: joints.map(|joint| joint.max_speed),
         max_accelerations: joints.map(|joint| joint.max_acceleration),
         home: PendantJoints::from_degrees(joints.map(|joint| joint.home)),
+        shown_middles: shown_middles(&joints.map(|joint| joint.limits)),
     })
+}
+
+/// J1, J2 and J3 are shown on the turn nearest to the middle of their range, the wrist's joints within half a turn.
+fn shown_middles(&[j1, j2, j3, ..]: &[Limits; 6]) -> [f64; 6] {
+    let [j1, j2, j3] =
+        [j1, j2, j3].map(|range| f64::midpoint(range.min.0, range.max.0).to_radians());
+    [j1, j2, j3, 0.0, 0.0, 0.0]
 }
 
 /// One joint's own numbers.

@@ -147,7 +147,10 @@ fn check_coordinate(name: &'static str, value: Millimeters) -> Result<(), PoseEr
 impl Mul for Pose {
     type Output = Pose;
     fn mul(self, other: Pose) -> Pose {
-        Pose(self.0 * other.0)
+        let mut product = self.0 * other.0;
+        // Long chains of products keep their unit length.
+        product.rotation.renormalize_fast();
+        Pose(product)
     }
 }
 

@@ -5,7 +5,7 @@ use crate::configuration::{Configuration, has_turn, turns_of};
 use crate::ik_error::{IkError, Obstacle};
 use crate::inverse;
 use crate::joints::{Axis, PendantJoints};
-use crate::limits::{LimitViolations, ROUNDING_DEG};
+use crate::limits::ROUNDING_DEG;
 use crate::model::ArmModel;
 use crate::pose::Pose;
 
@@ -26,6 +26,7 @@ const TURN: f64 = 360.0;
 pub(crate) fn select(model: &ArmModel, X_WF: &Pose, seed: Seed) -> Result<Solution, IkError> {
     match seed {
         Seed::Near(joints) => {
+            let joints = PendantJoints::try_from_degrees(joints.degrees())?;
             let branches = inverse::branches(model, X_WF, &joints)?;
             let near = |solution: &Solution| nearest_turns(model, solution, &joints);
             branches
@@ -114,8 +115,8 @@ fn in_configuration(
 ) -> Result<Solution, IkError> {
     let in_branch = branches
         .iter()
-        .find(|solution| solution.configuration.same_branch(&wanted));
-    let obstacle = match in_branch.map(|solution| on_wanted_turns(model, solution, wanted.turns)) {
+        .find(|solution| is_in_branch(solution, wanted));
+    let obstacle = match in_branch.map(|solution| on_wanted_turns(model, solution, wanted)) {
         Some(solution) if solution.within_limits() => return Ok(solution),
         Some(solution) => Obstacle::Limits(solution.violations(model)),
         None => Obstacle::OutOfReach,
@@ -133,28 +134,31 @@ fn in_configuration(
     })
 }
 
-/// J4, J5 and J6 on the turns wanted; the configuration is given as wanted, because a joint within rounding of half a
-/// turn belongs to both.
-fn on_wanted_turns(model: &ArmModel, solution: &Solution, turns: [i8; 3]) -> Solution {
-    let [j1, j2, j3, wrist @ ..] = solution.joints.degrees();
-    let [j4, j5, j6] = wrist;
-    let [t4, t5, t6] = turns;
-    let turned = [(j4, t4), (j5, t5), (j6, t6)].map(|(value, turn)| {
+/// Is the solution in the branch wanted? At a singularity two branches are one, and it is in both.
+fn is_in_branch(solution: &Solution, wanted: Configuration) -> bool {
+    let (is, singular) = (&solution.configuration, &solution.singularity);
+    (is.flip == wanted.flip || singular.wrist == 0.0)
+        && (is.elbow == wanted.elbow || singular.elbow == 0.0)
+        && (is.front == wanted.front || singular.shoulder == 0.0)
+}
+
+/// J4, J5 and J6 on the turns wanted. The configuration is given as wanted: a joint within rounding of half a turn
+/// belongs to two turns, as a singular posture does to two branches.
+fn on_wanted_turns(model: &ArmModel, solution: &Solution, wanted: Configuration) -> Solution {
+    let [j1, j2, j3, j4, j5, j6] = solution.joints.degrees();
+    let [t4, t5, t6] = wanted.turns;
+    let turned = |value: f64, turn: i8| {
         let straight = value + TURN * f64::from(turn);
         // Within rounding of half a turn the next turn may be meant.
-        [straight, straight - TURN, straight + TURN]
-            .into_iter()
-            .find(|candidate| has_turn(*candidate, turn))
+        let near = [straight, straight - TURN, straight + TURN];
+        near.into_iter()
+            .find(|degrees| has_turn(*degrees, turn))
             .unwrap_or(straight)
-    });
-    let [j4, j5, j6] = turned;
-    let solution = on_turns(model, solution, [j1, j2, j3, j4, j5, j6]);
+    };
+    let degrees = [j1, j2, j3, turned(j4, t4), turned(j5, t5), turned(j6, t6)];
     Solution {
-        configuration: Configuration {
-            turns,
-            ..solution.configuration
-        },
-        ..solution
+        configuration: wanted,
+        ..on_turns(model, solution, degrees)
     }
 }
 
@@ -163,18 +167,11 @@ fn joint_limit(model: &ArmModel, branches: &Branches) -> IkError {
     let best = branches
         .iter()
         .map(|solution| most_central_turns(model, solution))
-        .max_by(|a, b| a.smallest_margin().0.total_cmp(&b.smallest_margin().0));
-    match best {
-        Some(best) => IkError::JointLimit {
-            violations: best.violations(model),
-            branch: best.configuration,
-            branches: branches.len(),
-        },
-        // No branch at all is `OutOfReach`, reported before.
-        None => IkError::JointLimit {
-            violations: LimitViolations::of(model, &model.home()),
-            branch: model.configuration(&model.home()),
-            branches: 0,
-        },
+        .max_by(|a, b| a.smallest_margin().0.total_cmp(&b.smallest_margin().0))
+        .expect("a pose without any branch is out of reach, which was reported before");
+    IkError::JointLimit {
+        violations: best.violations(model),
+        branch: best.configuration,
+        branches: branches.len(),
     }
 }

@@ -1,0 +1,319 @@
+//! The tree that the parser builds: what the source says, nothing resolved yet.
+
+use crate::span::Span;
+
+/// A name in upper case, `$` included.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Name {
+    pub(crate) text: String,
+    pub(crate) span: Span,
+}
+
+#[derive(Debug)]
+pub(crate) struct Program {
+    pub(crate) name: Name,
+    pub(crate) directives: Vec<Directive>,
+    pub(crate) decls: Vec<Decl>,
+    pub(crate) body: Vec<Stmt>,
+    /// The END of the main body.
+    pub(crate) end: Span,
+}
+
+#[derive(Debug)]
+pub(crate) struct Directive {
+    /// `%NAME` in upper case.
+    pub(crate) name: String,
+    /// What follows the name, without `=`.
+    pub(crate) argument: String,
+    pub(crate) span: Span,
+}
+
+#[derive(Debug)]
+pub(crate) enum Decl {
+    Const { name: Name, value: Expr },
+    Type { name: Name, ty: TypeExpr },
+    Var { names: Vec<Name>, ty: TypeExpr },
+    Routine(Routine),
+}
+
+#[derive(Debug)]
+pub(crate) struct Routine {
+    pub(crate) name: Name,
+    pub(crate) params: Vec<Param>,
+    pub(crate) result: Option<TypeExpr>,
+    pub(crate) body: RoutineBody,
+}
+
+#[derive(Debug)]
+pub(crate) enum RoutineBody {
+    /// `FROM program`.
+    From(Name),
+    Here {
+        decls: Vec<Decl>,
+        stmts: Vec<Stmt>,
+        end: Span,
+    },
+}
+
+#[derive(Debug)]
+pub(crate) struct Param {
+    pub(crate) names: Vec<Name>,
+    pub(crate) ty: TypeExpr,
+}
+
+#[derive(Debug)]
+pub(crate) struct TypeExpr {
+    pub(crate) kind: TypeKind,
+    pub(crate) span: Span,
+}
+
+#[derive(Debug)]
+pub(crate) enum TypeKind {
+    Name(Name),
+    /// `STRING[n]` or `STRING`.
+    Text(Option<Box<Expr>>),
+    /// `ARRAY[d, ..] OF t`; no dimensions for an open array.
+    Array {
+        dims: Vec<Dim>,
+        element: Box<TypeExpr>,
+    },
+    Structure(Vec<Param>),
+}
+
+#[derive(Debug)]
+pub(crate) enum Dim {
+    Length(Expr),
+    /// `*`.
+    Open(Span),
+}
+
+#[derive(Debug)]
+pub(crate) struct Expr {
+    pub(crate) kind: ExprKind,
+    pub(crate) span: Span,
+    /// Levels of the tree below and including this one.
+    pub(crate) height: u16,
+}
+
+#[derive(Debug)]
+pub(crate) enum ExprKind {
+    /// Digits; the checker knows the range.
+    Integer(i64),
+    Real(f32),
+    Text(Vec<u8>),
+    Path(Path),
+    Call {
+        name: Name,
+        args: Vec<Expr>,
+    },
+    Unary {
+        op: UnaryOp,
+        operand: Box<Expr>,
+    },
+    Binary {
+        op: BinaryOp,
+        left: Box<Expr>,
+        right: Box<Expr>,
+    },
+    /// `(x)`: by value, even if x is a variable.
+    Paren(Box<Expr>),
+    /// Something was reported here already.
+    Error,
+}
+
+/// A variable with subscripts and fields.
+#[derive(Debug)]
+pub(crate) struct Path {
+    pub(crate) root: Name,
+    pub(crate) steps: Vec<PathStep>,
+    pub(crate) span: Span,
+}
+
+#[derive(Debug)]
+pub(crate) enum PathStep {
+    Field(Name),
+    Index { subscripts: Vec<Expr>, span: Span },
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum UnaryOp {
+    Plus,
+    Minus,
+    Not,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum BinaryOp {
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+    Div,
+    Mod,
+    And,
+    Or,
+    Relation(Relation),
+    /// `>=<`, equal within a tolerance.
+    Approx,
+    /// `:`, frame composition.
+    Compose,
+    /// `@`, inner product.
+    Inner,
+    /// `#`, cross product.
+    Cross,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Relation {
+    Equal,
+    NotEqual,
+    Less,
+    Greater,
+    LessEqual,
+    GreaterEqual,
+}
+
+impl Relation {
+    pub(crate) fn text(self) -> &'static str {
+        match self {
+            Relation::Equal => "=",
+            Relation::NotEqual => "<>",
+            Relation::Less => "<",
+            Relation::Greater => ">",
+            Relation::LessEqual => "<=",
+            Relation::GreaterEqual => ">=",
+        }
+    }
+}
+
+impl BinaryOp {
+    pub(crate) fn text(self) -> &'static str {
+        match self {
+            BinaryOp::Add => "+",
+            BinaryOp::Subtract => "-",
+            BinaryOp::Multiply => "*",
+            BinaryOp::Divide => "/",
+            BinaryOp::Div => "DIV",
+            BinaryOp::Mod => "MOD",
+            BinaryOp::And => "AND",
+            BinaryOp::Or => "OR",
+            BinaryOp::Relation(relation) => relation.text(),
+            BinaryOp::Approx => ">=<",
+            BinaryOp::Compose => ":",
+            BinaryOp::Inner => "@",
+            BinaryOp::Cross => "#",
+        }
+    }
+}
+
+impl UnaryOp {
+    pub(crate) fn text(self) -> &'static str {
+        match self {
+            UnaryOp::Plus => "+",
+            UnaryOp::Minus => "-",
+            UnaryOp::Not => "NOT",
+        }
+    }
+}
+
+#[derive(Debug)]
+pub(crate) struct Stmt {
+    pub(crate) kind: StmtKind,
+    pub(crate) span: Span,
+}
+
+#[derive(Debug)]
+pub(crate) enum StmtKind {
+    Label(Name),
+    Assign {
+        target: Path,
+        value: Expr,
+    },
+    Call {
+        name: Name,
+        args: Vec<Expr>,
+    },
+    If {
+        condition: Expr,
+        then: Vec<Stmt>,
+        otherwise: Vec<Stmt>,
+    },
+    While {
+        condition: Expr,
+        body: Vec<Stmt>,
+    },
+    For {
+        counter: Name,
+        from: Expr,
+        to: Expr,
+        direction: Direction,
+        body: Vec<Stmt>,
+    },
+    Repeat {
+        body: Vec<Stmt>,
+        until: Expr,
+    },
+    Select {
+        value: Expr,
+        cases: Vec<Case>,
+        otherwise: Option<Vec<Stmt>>,
+    },
+    Goto(Name),
+    Return(Option<Expr>),
+    Read {
+        file: Option<Path>,
+        items: Vec<Item>,
+    },
+    Write {
+        file: Option<Path>,
+        items: Vec<Item>,
+    },
+    OpenFile {
+        file: Path,
+        mode: Expr,
+        name: Expr,
+    },
+    CloseFile(Path),
+    CancelFile(Path),
+    Delay(Expr),
+    MoveTo {
+        target: Expr,
+        waits: Waits,
+    },
+    Abort,
+    /// Legal KAREL that this crate does not run yet; holds its name.
+    Unsupported(String),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Direction {
+    Up,
+    Down,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Waits {
+    Yes,
+    No,
+}
+
+#[derive(Debug)]
+pub(crate) struct Case {
+    pub(crate) values: Vec<Expr>,
+    pub(crate) body: Vec<Stmt>,
+}
+
+/// An item of a READ or a WRITE with its format specifiers.
+#[derive(Debug)]
+pub(crate) struct Item {
+    pub(crate) kind: ItemKind,
+    pub(crate) formats: Vec<Expr>,
+    pub(crate) span: Span,
+}
+
+#[derive(Debug)]
+pub(crate) enum ItemKind {
+    Value(Expr),
+    /// `CR`.
+    LineEnd,
+}

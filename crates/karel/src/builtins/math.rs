@@ -1,0 +1,88 @@
+//! Numbers.
+
+use super::{Builtin, Context, Outcome, Param, Returns};
+use crate::machine::{cell::Cell, fault::Fault, finite};
+
+#[rustfmt::skip]
+pub(super) const TABLE: &[Builtin] = &[
+    Builtin { name: "ABS", params: &[Param::Number], required: 1, returns: Returns::SameAsFirst, code: abs },
+    Builtin { name: "ATAN2", params: &[Param::Real, Param::Real], required: 2, returns: Returns::Real, code: atan2 },
+    Builtin { name: "COS", params: &[Param::Real], required: 1, returns: Returns::Real, code: |context| by_angle(context, f64::cos) },
+    Builtin { name: "EXP", params: &[Param::Real], required: 1, returns: Returns::Real, code: exp },
+    Builtin { name: "LN", params: &[Param::Real], required: 1, returns: Returns::Real, code: ln },
+    Builtin { name: "ROUND", params: &[Param::Real], required: 1, returns: Returns::Integer, code: round },
+    Builtin { name: "SIN", params: &[Param::Real], required: 1, returns: Returns::Real, code: |context| by_angle(context, f64::sin) },
+    Builtin { name: "SQRT", params: &[Param::Real], required: 1, returns: Returns::Real, code: sqrt },
+    Builtin { name: "TAN", params: &[Param::Real], required: 1, returns: Returns::Real, code: |context| by_angle(context, f64::tan) },
+    Builtin { name: "TRUNC", params: &[Param::Real], required: 1, returns: Returns::Integer, code: trunc },
+];
+
+/// Computed with 64 bits, rounded once to a REAL.
+fn real(value: f64) -> Result<Outcome, Fault> {
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "rounding to REAL is meant; range is checked"
+    )]
+    let rounded = value as f32;
+    finite(rounded).map(|value| Outcome::Value(Cell::Real(value)))
+}
+
+fn integer(value: f32) -> Result<Outcome, Fault> {
+    let value = f64::from(value);
+    if value < f64::from(i32::MIN) || value > f64::from(i32::MAX) {
+        return Err(Fault::overflow());
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "the range was checked")]
+    let value = value as i32;
+    Ok(Outcome::Value(Cell::Integer(value)))
+}
+
+fn abs(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    match context.arg(0) {
+        Cell::Integer(value) => {
+            let value = value.checked_abs().ok_or_else(Fault::overflow)?;
+            Ok(Outcome::Value(Cell::Integer(value)))
+        }
+        _ => Ok(Outcome::Value(Cell::Real(context.real(0).abs()))),
+    }
+}
+
+/// ASSUMPTION: halves go away from zero.
+fn round(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    integer(context.real(0).round())
+}
+
+fn trunc(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    integer(context.real(0).trunc())
+}
+
+/// Angles are degrees.
+fn by_angle(context: &mut Context<'_>, function: fn(f64) -> f64) -> Result<Outcome, Fault> {
+    real(function(f64::from(context.real(0)).to_radians()))
+}
+
+/// `ATAN2(x, y)`: x first; degrees counterclockwise from the X axis.
+fn atan2(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    let (x, y) = (f64::from(context.real(0)), f64::from(context.real(1)));
+    real(y.atan2(x).to_degrees())
+}
+
+fn sqrt(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    let value = context.real(0);
+    if value < 0.0 {
+        return Err(Fault::argument(format!("SQRT of {value}, less than 0")));
+    }
+    real(f64::from(value).sqrt())
+}
+
+fn ln(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    let value = context.real(0);
+    if value <= 0.0 {
+        return Err(Fault::argument(format!("LN of {value}, not more than 0")));
+    }
+    real(f64::from(value).ln())
+}
+
+fn exp(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    real(f64::from(context.real(0)).exp())
+}

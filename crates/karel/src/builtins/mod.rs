@@ -1,0 +1,279 @@
+//! Built-in routines: one table of names, signatures and code.
+
+mod convert;
+mod file;
+mod math;
+mod motion;
+mod string;
+mod variable;
+
+use std::time::Duration;
+
+use crate::{
+    host::{Host, TaskId, Wait},
+    ir::BuiltinSite,
+    machine::{
+        Loaded,
+        cell::{Address, Cell, Memory},
+        fault::Fault,
+    },
+    program::Program,
+    status::Status,
+    types::{PositionKind, TextLength, Type},
+    value::Text,
+};
+
+/// A row of the table.
+#[derive(Debug)]
+pub(crate) struct Builtin {
+    pub(crate) name: &'static str,
+    pub(crate) params: &'static [Param],
+    /// Arguments that may not be left out.
+    pub(crate) required: usize,
+    pub(crate) returns: Returns,
+    pub(crate) code: fn(&mut Context<'_>) -> Result<Outcome, Fault>,
+}
+
+/// What an argument may be. Inputs are values; outputs are variables or, ignored, constants.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Param {
+    Integer,
+    Real,
+    /// INTEGER or REAL, not converted.
+    Number,
+    Text,
+    Position(PositionKind),
+    OutInteger,
+    OutReal,
+    OutText,
+    /// A variable of any type, also a system variable.
+    OutAny,
+    /// A FILE variable.
+    File,
+    /// A variable of any type, not read.
+    AnyVariable,
+    AnyArray,
+    /// Any value; a variable may be uninitialized.
+    AnyValue,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Returns {
+    Nothing,
+    Integer,
+    Real,
+    Boolean,
+    Text,
+    XyzwprExt,
+    SameAsFirst,
+}
+
+/// What a built-in did.
+pub(crate) enum Outcome {
+    Done,
+    /// The result of a function, if it is a scalar.
+    Value(Cell),
+    /// It is called again with the same arguments.
+    Pending(Wait),
+    /// It is done, and the task rests a little: a loop around it must not starve the others.
+    DoneThenPause(Duration),
+}
+
+/// Looks a built-in up by its upper-case name.
+pub(crate) fn find(name: &str) -> Option<&'static Builtin> {
+    tables().find(|builtin| builtin.name == name)
+}
+
+pub(crate) fn names() -> Vec<&'static str> {
+    tables().map(|builtin| builtin.name).collect()
+}
+
+fn tables() -> impl Iterator<Item = &'static Builtin> {
+    let tables = [
+        convert::TABLE,
+        file::TABLE,
+        math::TABLE,
+        motion::TABLE,
+        string::TABLE,
+        variable::TABLE,
+    ];
+    tables.into_iter().flatten()
+}
+
+/// Built-ins that exist on a controller and not here: they deserve a better message than a typing
+/// error.
+const PLANNED: &[&str] = &[
+    "ABORT_TASK",
+    "APPEND_NODE",
+    "APPROACH",
+    "CALL_PROG",
+    "CALL_PROGLIN",
+    "CLEAR_SEMA",
+    "CLR_POS_REG",
+    "CNV_CONF_STR",
+    "CNV_JPOS_REL",
+    "CNV_REL_JPOS",
+    "CNV_STR_CONF",
+    "CNV_STR_TIME",
+    "CNV_TIME_STR",
+    "CURJPOS",
+    "CURR_PROG",
+    "ERR_DATA",
+    "FORCE_SPMENU",
+    "FRAME",
+    "GET_JPOS_REG",
+    "GET_POS_REG",
+    "GET_REG",
+    "GET_STR_REG",
+    "GET_TIME",
+    "GET_TPE_PRM",
+    "GET_TSK_INFO",
+    "IN_AUTO_MODE",
+    "INV",
+    "J_IN_RANGE",
+    "JOINT2POS",
+    "MSG_PING",
+    "ORIENT",
+    "PATH_LEN",
+    "PAUSE_TASK",
+    "PEND_SEMA",
+    "POS2JOINT",
+    "POS_REG_TYPE",
+    "POST_ERR",
+    "POST_SEMA",
+    "READ_KB",
+    "RUN_TASK",
+    "SET_EPOS_REG",
+    "SET_FILE_ATR",
+    "SET_INT_REG",
+    "SET_JPOS_REG",
+    "SET_POS_REG",
+    "SET_REAL_REG",
+    "SET_STR_REG",
+    "TP_ENABLED",
+    "UNPOS",
+    "VOL_SPACE",
+    "WRITE_DICT",
+];
+
+pub(crate) fn is_planned(name: &str) -> bool {
+    PLANNED.contains(&name)
+}
+
+/// What the code of a built-in can reach.
+pub(crate) struct Context<'a> {
+    pub(crate) task: TaskId,
+    pub(crate) program: &'a Program,
+    pub(crate) programs: &'a [Loaded],
+    pub(crate) host: &'a mut dyn Host,
+    pub(crate) memory: Memory<'a>,
+    pub(crate) operands: &'a [Cell],
+    pub(crate) site: &'a BuiltinSite,
+}
+
+impl Context<'_> {
+    fn arg(&self, number: usize) -> &Cell {
+        let index = number + usize::from(self.site.result_in_memory);
+        self.operands
+            .get(index)
+            .expect("the checker counts arguments")
+    }
+
+    fn has_arg(&self, number: usize) -> bool {
+        number < self.site.types.len()
+    }
+
+    fn ty(&self, number: usize) -> &Type {
+        self.site
+            .types
+            .get(number)
+            .expect("the checker counts arguments")
+    }
+
+    fn integer(&self, number: usize) -> i32 {
+        match self.arg(number) {
+            Cell::Integer(value) => *value,
+            other => unreachable!("INTEGER argument expected, found {other:?}"),
+        }
+    }
+
+    fn real(&self, number: usize) -> f32 {
+        match self.arg(number) {
+            Cell::Real(value) => *value,
+            other => unreachable!("REAL argument expected, found {other:?}"),
+        }
+    }
+
+    fn text(&self, number: usize) -> Text {
+        match self.arg(number) {
+            Cell::Text(value) => value.clone(),
+            other => unreachable!("STRING argument expected, found {other:?}"),
+        }
+    }
+
+    /// The address of a variable, `None` if a constant stands in its place.
+    fn address(&self, number: usize) -> Option<Address> {
+        match self.arg(number) {
+            Cell::Address(address) => Some(*address),
+            Cell::Uninit => None,
+            other => unreachable!("an address expected, found {other:?}"),
+        }
+    }
+
+    /// The address of a variable that the checker insists on.
+    fn variable(&self, number: usize) -> Address {
+        self.address(number)
+            .expect("the checker insists on a variable")
+    }
+
+    /// Where a result of several cells goes.
+    fn result(&self) -> Address {
+        match self.operands.first() {
+            Some(Cell::Address(address)) => *address,
+            other => unreachable!("an address for the result expected, found {other:?}"),
+        }
+    }
+
+    fn put(&mut self, number: usize, value: Cell) {
+        if let Some(address) = self.address(number) {
+            self.memory.set(address, value);
+        }
+    }
+
+    fn put_status(&mut self, number: usize, status: Status) {
+        self.put(number, Cell::Integer(status.0));
+    }
+
+    /// Stores a string, cut to the variable's length.
+    fn put_text(&mut self, number: usize, mut text: Text) {
+        if let Some(address) = self.address(number) {
+            let length = match self.ty(number) {
+                Type::Text(TextLength::AtMost(length)) => *length,
+                _ => address.extra,
+            };
+            text.truncate(length as usize);
+            self.memory.set(address, Cell::Text(text));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_built_in_has_one_row_and_a_reachable_name() {
+        let mut names = names();
+        let count = names.len();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), count);
+        for name in names {
+            assert_eq!(name, name.to_ascii_uppercase());
+            assert!(
+                !is_planned(name),
+                "{name} is there and announced as missing"
+            );
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! Constants: what a CONST section may say, and what is predefined.
+
+use super::{Checker, scope::Symbol};
+use crate::{
+    ast::{BinaryOp, Expr, ExprKind, UnaryOp},
+    typed::Constant,
+    value::Text,
+};
+
+/// Constants that every program knows.
+///
+/// ASSUMPTION: the numbers of the motion and termination types are from descriptions of the
+/// language; a program compares and assigns only the names.
+pub(super) fn predefined(name: &str) -> Option<Constant> {
+    Some(match name {
+        "TRUE" | "ON" => Constant::Boolean(true),
+        "FALSE" | "OFF" => Constant::Boolean(false),
+        "MAXINT" => Constant::Integer(i32::MAX),
+        "MININT" => Constant::Integer(i32::MIN),
+        "DEG_2_RAD" => Constant::Real(std::f32::consts::PI / 180.0),
+        "RAD_2_DEG" => Constant::Real(180.0 / std::f32::consts::PI),
+        "FINE" => Constant::Integer(1),
+        "COARSE" => Constant::Integer(2),
+        "NOSETTLE" => Constant::Integer(3),
+        "NODECEL" => Constant::Integer(4),
+        "VARDECEL" => Constant::Integer(5),
+        "JOINT" => Constant::Integer(6),
+        "LINEAR" => Constant::Integer(7),
+        "CIRCULAR" => Constant::Integer(8),
+        _ => return None,
+    })
+}
+
+impl Checker<'_> {
+    /// The value of a constant expression; reports and returns `None` if it is not one.
+    pub(super) fn constant_value(&mut self, expr: &Expr) -> Option<Constant> {
+        match self.fold(expr) {
+            Ok(constant) => Some(constant),
+            Err(Fold::NotConstant) => {
+                self.reports.error_with_help(
+                    expr.span,
+                    "this is not a constant",
+                    "constants are literals, other constants and sums of them",
+                );
+                None
+            }
+            Err(Fold::OutOfRange) => {
+                self.reports
+                    .error(expr.span, "this INTEGER does not fit into 32 bits");
+                None
+            }
+            Err(Fold::Reported) => None,
+        }
+    }
+
+    fn fold(&self, expr: &Expr) -> Result<Constant, Fold> {
+        match &expr.kind {
+            ExprKind::Integer(value) => integer(*value),
+            ExprKind::Real(value) => Ok(Constant::Real(*value)),
+            ExprKind::Text(bytes) => Ok(Constant::Text(Text::new(bytes.clone()))),
+            ExprKind::Paren(inner) => self.fold(inner),
+            ExprKind::Path(path) if path.steps.is_empty() => {
+                match self.find_symbol(&path.root.text) {
+                    Some(Symbol::Constant(constant)) => Ok(constant.clone()),
+                    Some(Symbol::Variable { .. } | Symbol::Type(_)) => Err(Fold::NotConstant),
+                    None => predefined(&path.root.text).ok_or(Fold::NotConstant),
+                }
+            }
+            ExprKind::Unary {
+                op: UnaryOp::Minus,
+                operand,
+            } => {
+                if let ExprKind::Integer(value) = operand.kind {
+                    return integer(value.saturating_neg());
+                }
+                match self.fold(operand)? {
+                    Constant::Integer(value) => value
+                        .checked_neg()
+                        .map(Constant::Integer)
+                        .ok_or(Fold::OutOfRange),
+                    Constant::Real(value) => Ok(Constant::Real(-value)),
+                    Constant::Boolean(_) | Constant::Text(_) => Err(Fold::NotConstant),
+                }
+            }
+            ExprKind::Unary {
+                op: UnaryOp::Plus,
+                operand,
+            } => self.fold(operand),
+            ExprKind::Binary { op, left, right } => {
+                combine(*op, self.fold(left)?, self.fold(right)?)
+            }
+            ExprKind::Call { name, args } if name.text == "CHR" => match args.as_slice() {
+                [code] => match self.fold(code)? {
+                    Constant::Integer(code) => {
+                        let byte = u8::try_from(code).map_err(|_| Fold::OutOfRange)?;
+                        Ok(Constant::Text(Text::new(vec![byte])))
+                    }
+                    Constant::Real(_) | Constant::Boolean(_) | Constant::Text(_) => {
+                        Err(Fold::NotConstant)
+                    }
+                },
+                _ => Err(Fold::NotConstant),
+            },
+            ExprKind::Error => Err(Fold::Reported),
+            ExprKind::Path(_)
+            | ExprKind::Call { .. }
+            | ExprKind::Unary {
+                op: UnaryOp::Not, ..
+            } => Err(Fold::NotConstant),
+        }
+    }
+}
+
+enum Fold {
+    NotConstant,
+    OutOfRange,
+    Reported,
+}
+
+fn integer(value: i64) -> Result<Constant, Fold> {
+    i32::try_from(value)
+        .map(Constant::Integer)
+        .map_err(|_| Fold::OutOfRange)
+}
+
+fn combine(op: BinaryOp, left: Constant, right: Constant) -> Result<Constant, Fold> {
+    match (op, left, right) {
+        (BinaryOp::Add, Constant::Integer(a), Constant::Integer(b)) => {
+            integer(i64::from(a) + i64::from(b))
+        }
+        (BinaryOp::Subtract, Constant::Integer(a), Constant::Integer(b)) => {
+            integer(i64::from(a) - i64::from(b))
+        }
+        (BinaryOp::Multiply, Constant::Integer(a), Constant::Integer(b)) => {
+            integer(i64::from(a) * i64::from(b))
+        }
+        (BinaryOp::Add, Constant::Text(mut a), Constant::Text(b)) => {
+            a.append(b.as_bytes(), crate::types::MAX_STRING);
+            Ok(Constant::Text(a))
+        }
+        _ => Err(Fold::NotConstant),
+    }
+}

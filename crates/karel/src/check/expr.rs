@@ -1,0 +1,269 @@
+//! Expressions: types, operators, conversions.
+
+use super::Checker;
+use crate::{
+    ast::{self, BinaryOp, Relation, UnaryOp},
+    span::Span,
+    typed::{Constant, Expr, ExprKind, Op},
+    types::Type,
+    value::Text,
+};
+
+impl Checker<'_> {
+    /// An expression of any type. What was reported has [`Type::Error`].
+    pub(super) fn expr(&mut self, expr: &ast::Expr) -> Expr {
+        self.try_expr(expr).unwrap_or_else(error)
+    }
+
+    fn try_expr(&mut self, expr: &ast::Expr) -> Option<Expr> {
+        match &expr.kind {
+            ast::ExprKind::Integer(value) => {
+                let Ok(value) = i32::try_from(*value) else {
+                    self.reports
+                        .error(expr.span, "this INTEGER does not fit into 32 bits");
+                    return None;
+                };
+                Some(constant(Constant::Integer(value)))
+            }
+            ast::ExprKind::Real(value) => {
+                if !value.is_finite() {
+                    self.reports
+                        .error(expr.span, "this REAL does not fit into 32 bits");
+                    return None;
+                }
+                Some(constant(Constant::Real(*value)))
+            }
+            ast::ExprKind::Text(bytes) => {
+                if bytes.len() > crate::types::MAX_STRING {
+                    let message =
+                        format!("a string has at most {} bytes", crate::types::MAX_STRING);
+                    self.reports.error(expr.span, message);
+                    return None;
+                }
+                Some(constant(Constant::Text(Text::new(bytes.clone()))))
+            }
+            ast::ExprKind::Path(path) => self.path_expression(path),
+            ast::ExprKind::Call { name, args } => self.function_call(name, args),
+            ast::ExprKind::Unary { op, operand } => self.unary(*op, operand, expr.span),
+            ast::ExprKind::Binary { op, left, right } => {
+                let (left, right) = (self.expr(left), self.expr(right));
+                self.binary(*op, left, right, expr.span)
+            }
+            ast::ExprKind::Paren(inner) => Some(self.expr(inner)),
+            ast::ExprKind::Error => None,
+        }
+    }
+
+    fn unary(&mut self, op: UnaryOp, operand: &ast::Expr, span: Span) -> Option<Expr> {
+        if op == UnaryOp::Minus
+            && let ast::ExprKind::Integer(value) = operand.kind
+            && let Ok(value) = i32::try_from(value.saturating_neg())
+        {
+            return Some(constant(Constant::Integer(value)));
+        }
+        let operand = self.try_expr(operand)?;
+        let ty = operand.ty.clone();
+        let fits = match op {
+            UnaryOp::Plus | UnaryOp::Minus => ty.is_number(),
+            UnaryOp::Not => matches!(ty, Type::Integer | Type::Boolean | Type::Error),
+        };
+        if !fits {
+            self.reports
+                .error(span, format!("{} cannot be applied to {ty}", op.text()));
+            return None;
+        }
+        let kind = match op {
+            UnaryOp::Plus => return Some(operand),
+            UnaryOp::Minus => ExprKind::Negate(Box::new(operand)),
+            UnaryOp::Not => ExprKind::Not(Box::new(operand)),
+        };
+        Some(Expr { kind, ty })
+    }
+
+    fn binary(&mut self, op: BinaryOp, left: Expr, right: Expr, span: Span) -> Option<Expr> {
+        if left.ty == Type::Error || right.ty == Type::Error {
+            return None;
+        }
+        let numbers = left.ty.is_number() && right.ty.is_number();
+        let integers = left.ty == Type::Integer && right.ty == Type::Integer;
+        let booleans = left.ty == Type::Boolean && right.ty == Type::Boolean;
+        let texts = left.ty.is_text() && right.ty.is_text();
+        let result = |op, ty, left, right| {
+            Some(Expr {
+                kind: ExprKind::Binary {
+                    op,
+                    left: Box::new(left),
+                    right: Box::new(right),
+                },
+                ty,
+            })
+        };
+        match op {
+            BinaryOp::Add if texts => return result(Op::Concatenate, Type::TEXT, left, right),
+            BinaryOp::Add | BinaryOp::Subtract | BinaryOp::Multiply if numbers => {
+                let op = match op {
+                    BinaryOp::Add => Op::Add,
+                    BinaryOp::Subtract => Op::Subtract,
+                    _ => Op::Multiply,
+                };
+                if integers {
+                    return result(op, Type::Integer, left, right);
+                }
+                return result(op, Type::Real, to_real(left), to_real(right));
+            }
+            // INTEGER / INTEGER is a REAL.
+            BinaryOp::Divide if numbers => {
+                return result(Op::Divide, Type::Real, to_real(left), to_real(right));
+            }
+            BinaryOp::Div if integers => return result(Op::Div, Type::Integer, left, right),
+            BinaryOp::Mod if integers => return result(Op::Mod, Type::Integer, left, right),
+            BinaryOp::And if integers => return result(Op::And, Type::Integer, left, right),
+            BinaryOp::And if booleans => return result(Op::And, Type::Boolean, left, right),
+            BinaryOp::Or if integers => return result(Op::Or, Type::Integer, left, right),
+            BinaryOp::Or if booleans => return result(Op::Or, Type::Boolean, left, right),
+            BinaryOp::Relation(relation) => {
+                let comparable = integers || texts || (booleans && is_equality(relation));
+                if comparable {
+                    return result(Op::Relation(relation), Type::Boolean, left, right);
+                }
+                if numbers {
+                    let (left, right) = (to_real(left), to_real(right));
+                    return result(Op::Relation(relation), Type::Boolean, left, right);
+                }
+            }
+            BinaryOp::Approx | BinaryOp::Compose | BinaryOp::Inner | BinaryOp::Cross => {
+                self.reports.error(
+                    span,
+                    format!("the operator `{}` is not supported yet", op.text()),
+                );
+                return None;
+            }
+            BinaryOp::Add
+            | BinaryOp::Subtract
+            | BinaryOp::Multiply
+            | BinaryOp::Divide
+            | BinaryOp::Div
+            | BinaryOp::Mod
+            | BinaryOp::And
+            | BinaryOp::Or => {}
+        }
+        let message = format!(
+            "`{}` cannot be applied to {} and {}",
+            op.text(),
+            left.ty,
+            right.ty
+        );
+        match op {
+            BinaryOp::And | BinaryOp::Or if numbers || booleans => {
+                self.reports.error_with_help(
+                    span,
+                    message,
+                    "AND and OR take two INTEGERs or two BOOLEANs",
+                );
+            }
+            BinaryOp::And | BinaryOp::Or => self.reports.error_with_help(
+                span,
+                message,
+                "AND and OR bind tighter than relations: put parentheses around each relation",
+            ),
+            BinaryOp::Div | BinaryOp::Mod => {
+                self.reports.error_with_help(
+                    span,
+                    message,
+                    "ROUND or TRUNC turns a REAL into an INTEGER",
+                );
+            }
+            BinaryOp::Add
+            | BinaryOp::Subtract
+            | BinaryOp::Multiply
+            | BinaryOp::Divide
+            | BinaryOp::Relation(_)
+            | BinaryOp::Approx
+            | BinaryOp::Compose
+            | BinaryOp::Inner
+            | BinaryOp::Cross => self.reports.error(span, message),
+        }
+        None
+    }
+
+    /// An expression that must be of type `wanted`, converted if KAREL converts it.
+    pub(super) fn expr_of(&mut self, written: &ast::Expr, wanted: &Type) -> Expr {
+        let expr = self.expr(written);
+        self.convert(expr, wanted, written.span)
+    }
+
+    pub(super) fn integer(&mut self, written: &ast::Expr) -> Expr {
+        self.expr_of(written, &Type::Integer)
+    }
+
+    pub(super) fn boolean(&mut self, written: &ast::Expr) -> Expr {
+        self.expr_of(written, &Type::Boolean)
+    }
+
+    /// The implicit conversions: INTEGER to REAL, and between the cartesian types.
+    pub(super) fn convert(&mut self, expr: Expr, wanted: &Type, span: Span) -> Expr {
+        if expr.ty == Type::Error || *wanted == Type::Error || expr.ty == *wanted {
+            return expr;
+        }
+        match (&expr.ty, wanted) {
+            (Type::Integer, Type::Real) => to_real(expr),
+            (Type::Text(_), Type::Text(_)) => expr,
+            (Type::Position(_), Type::Position(_)) => Expr {
+                kind: ExprKind::ToPosition(Box::new(expr)),
+                ty: wanted.clone(),
+            },
+            (Type::Array(from), Type::Array(to))
+                if to.dims.is_empty() && from.element == to.element =>
+            {
+                expr
+            }
+            (Type::Real, Type::Integer) => {
+                self.reports.error_with_help(
+                    span,
+                    "expected INTEGER, this is REAL",
+                    "ROUND or TRUNC turns a REAL into an INTEGER",
+                );
+                error()
+            }
+            _ => {
+                self.reports
+                    .error(span, format!("expected {wanted}, this is {}", expr.ty));
+                error()
+            }
+        }
+    }
+}
+
+fn is_equality(relation: Relation) -> bool {
+    matches!(relation, Relation::Equal | Relation::NotEqual)
+}
+
+fn constant(constant: Constant) -> Expr {
+    Expr {
+        ty: constant.ty(),
+        kind: ExprKind::Constant(constant),
+    }
+}
+
+/// Stands for what was reported; never lowered.
+pub(super) fn error() -> Expr {
+    Expr {
+        kind: ExprKind::Constant(Constant::Integer(0)),
+        ty: Type::Error,
+    }
+}
+
+fn to_real(expr: Expr) -> Expr {
+    match expr {
+        Expr { ty: Type::Real, .. } => expr,
+        // A literal is converted here, once.
+        Expr {
+            kind: ExprKind::Constant(Constant::Integer(value)),
+            ..
+        } => constant(Constant::Real(crate::value::real_of(value))),
+        Expr { .. } => Expr {
+            kind: ExprKind::ToReal(Box::new(expr)),
+            ty: Type::Real,
+        },
+    }
+}

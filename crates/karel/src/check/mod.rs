@@ -1,0 +1,231 @@
+//! Resolves names and types everything; reports every error it finds.
+
+mod call;
+mod constant;
+mod decl;
+mod expr;
+mod place;
+mod scope;
+mod stmt;
+mod transfer;
+
+use std::collections::HashMap;
+
+use crate::{
+    ast,
+    diagnostic::Reports,
+    span::Span,
+    typed::Routine,
+    types::{MAX_CELLS, Type},
+};
+
+use scope::Scope;
+
+/// A checked program, not yet lowered.
+#[derive(Debug)]
+pub(crate) struct Checked {
+    pub(crate) name: String,
+    /// Variables of the program by name: first cell and type.
+    pub(crate) globals: HashMap<String, (u32, Type)>,
+    pub(crate) global_cells: u32,
+    /// Cells of the globals that are FILE variables.
+    pub(crate) global_files: Vec<u32>,
+    /// The main body first.
+    pub(crate) routines: Vec<Routine>,
+}
+
+/// Checks `program`. The result is meaningful only if no errors were reported.
+pub(crate) fn check(program: &ast::Program, reports: &mut Reports) -> Checked {
+    let mut checker = Checker {
+        reports,
+        program: program.name.text.clone(),
+        globals: Scope::default(),
+        locals: Scope::default(),
+        routines: HashMap::new(),
+        signatures: Vec::new(),
+        frame: Frame::default(),
+    };
+    checker.directives(&program.directives);
+    checker.program(program)
+}
+
+struct Checker<'a> {
+    reports: &'a mut Reports,
+    program: String,
+    globals: Scope,
+    locals: Scope,
+    /// Routines by name, as indices of `signatures`.
+    routines: HashMap<String, usize>,
+    signatures: Vec<Signature>,
+    frame: Frame,
+}
+
+/// What a call of a routine needs to know.
+#[derive(Clone, Debug)]
+struct Signature {
+    name: String,
+    span: Span,
+    params: Vec<(ast::Name, Type)>,
+    result: Option<Type>,
+    home: Home,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Home {
+    /// A body was found; its number among the routines of the program.
+    Here(u32),
+    /// Declared with FROM the own program; the body follows.
+    Promised,
+    /// In another program.
+    External(String),
+}
+
+/// What is known of the routine whose body is being checked.
+#[derive(Debug, Default)]
+struct Frame {
+    result: Option<Type>,
+    is_main: bool,
+    labels: HashMap<String, Label>,
+    next_label: u32,
+    returns_value: bool,
+}
+
+#[derive(Debug)]
+struct Label {
+    id: u32,
+    defined: bool,
+    first_use: Span,
+}
+
+/// Directives that change nothing here: they concern menus, storage or the translator.
+const KNOWN_DIRECTIVES: &[&str] = &[
+    "%ALPHABETIZE",
+    "%CMOSVARS",
+    "%CMOS2SHADOW",
+    "%COMMENT",
+    "%CRTDEVICE",
+    "%DEFGROUP",
+    "%DELAY",
+    "%ENVIRONMENT",
+    "%INVISIBLE",
+    "%LOCKGROUP",
+    "%NOABORT",
+    "%NOBUSYLAMP",
+    "%NOLOCKGROUP",
+    "%NOPAUSE",
+    "%NOPAUSESHFT",
+    "%PRIORITY",
+    "%SHADOWVARS",
+    "%STACKSIZE",
+    "%SYSTEM",
+    "%TIMESLICE",
+    "%TPMOTION",
+    "%UNINITVARS",
+    "%UNINITDRAM",
+];
+
+impl Checker<'_> {
+    fn directives(&mut self, directives: &[ast::Directive]) {
+        for directive in directives {
+            let name = directive.name.as_str();
+            if name == "%INCLUDE" {
+                let message = format!("%INCLUDE {} is not supported yet", directive.argument);
+                self.reports.error(directive.span, message);
+            } else if !KNOWN_DIRECTIVES.contains(&name) {
+                self.reports.warning(
+                    directive.span,
+                    format!("unknown directive {name} is ignored"),
+                );
+            }
+        }
+    }
+
+    fn program(mut self, program: &ast::Program) -> Checked {
+        self.declare(&program.decls, true);
+        self.declare_routines(&program.decls);
+        let mut routines = vec![self.main_body(program)];
+        for decl in &program.decls {
+            if let ast::Decl::Routine(routine) = decl
+                && let ast::RoutineBody::Here { decls, stmts, end } = &routine.body
+            {
+                routines.push(self.routine_body(routine, decls, stmts, *end));
+            }
+        }
+        if self.globals.cells > MAX_CELLS {
+            let message = format!("the variables need more than {MAX_CELLS} cells of memory");
+            self.reports.error(program.name.span, message);
+        }
+        Checked {
+            name: self.program,
+            global_cells: self.globals.cells,
+            global_files: self.globals.files.clone(),
+            globals: self.globals.into_variables(),
+            routines,
+        }
+    }
+
+    fn main_body(&mut self, program: &ast::Program) -> Routine {
+        self.locals = Scope::default();
+        self.frame = Frame {
+            is_main: true,
+            ..Frame::default()
+        };
+        let body = self.stmts(&program.body);
+        self.finish_routine(&program.name.text, body, program.end, 0)
+    }
+
+    fn routine_body(
+        &mut self,
+        routine: &ast::Routine,
+        decls: &[ast::Decl],
+        stmts: &[ast::Stmt],
+        end: Span,
+    ) -> Routine {
+        self.locals = Scope::default();
+        self.frame = Frame::default();
+        if let Some(index) = self.routines.get(&routine.name.text)
+            && let Some(signature) = self.signatures.get(*index).cloned()
+        {
+            self.frame.result.clone_from(&signature.result);
+            self.declare_params(&signature);
+        }
+        let first_local = self.locals.cells;
+        self.declare(decls, false);
+        let body = self.stmts(stmts);
+        if self.frame.result.is_some() && !self.frame.returns_value {
+            let message = format!("the function `{}` never returns a value", routine.name.text);
+            self.reports.warning(routine.name.span, message);
+        }
+        self.finish_routine(&routine.name.text, body, end, first_local)
+    }
+
+    fn finish_routine(
+        &mut self,
+        name: &str,
+        body: Vec<crate::typed::Stmt>,
+        end: Span,
+        first_local: u32,
+    ) -> Routine {
+        let mut missing: Vec<_> = self
+            .frame
+            .labels
+            .drain()
+            .filter(|(_, label)| !label.defined)
+            .collect();
+        missing.sort_by_key(|(_, label)| label.first_use.start);
+        for (name, label) in missing {
+            let message = format!("there is no label `{name}` in this routine");
+            self.reports.error(label.first_use, message);
+        }
+        Routine {
+            name: name.to_owned(),
+            frame_cells: self.locals.cells,
+            first_local,
+            files: self.locals.files.clone(),
+            result: self.frame.result.take(),
+            labels: self.frame.next_label,
+            body,
+            end,
+        }
+    }
+}

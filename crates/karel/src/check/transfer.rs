@@ -1,0 +1,126 @@
+//! READ and WRITE.
+
+use super::Checker;
+use crate::{
+    ast,
+    ast::{Item, ItemKind, Path},
+    span::Span,
+    typed::{Expr, ReadItem, StmtKind, WriteItem},
+    types::Type,
+};
+
+/// File variables that exist without a declaration; WRITE shows their text on the pendant.
+const PREDEFINED: &[&str] = &[
+    "CRTERROR",
+    "CRTFUNC",
+    "CRTPROMPT",
+    "CRTSTATUS",
+    "OUTPUT",
+    "TPDISPLAY",
+    "TPERROR",
+    "TPFUNC",
+    "TPPROMPT",
+    "TPSTATUS",
+];
+
+impl Checker<'_> {
+    pub(super) fn read(
+        &mut self,
+        file: Option<&Path>,
+        items: &[Item],
+        span: Span,
+    ) -> Option<StmtKind> {
+        let checked: Vec<Option<ReadItem>> =
+            items.iter().map(|item| self.read_item(item)).collect();
+        let Some(file) = file else {
+            let message =
+                "READ without a FILE variable, from the pendant's keyboard, is not supported yet";
+            self.reports.error(span, message);
+            return None;
+        };
+        let file = self.file(file)?;
+        let items = checked.into_iter().collect::<Option<Vec<_>>>()?;
+        Some(StmtKind::Read { file, items })
+    }
+
+    fn read_item(&mut self, item: &Item) -> Option<ReadItem> {
+        let formats = self.formats(item)?;
+        let ItemKind::Value(value) = &item.kind else {
+            return Some(ReadItem::LineEnd);
+        };
+        let ast::ExprKind::Path(path) = &value.kind else {
+            self.reports.error(value.span, "READ needs a variable here");
+            return None;
+        };
+        let place = self.place(path)?;
+        match &place.ty {
+            Type::Integer | Type::Real | Type::Boolean | Type::Text(_) => {
+                Some(ReadItem::Value { place, formats })
+            }
+            Type::Error => None,
+            ty @ (Type::File
+            | Type::Config
+            | Type::Position(_)
+            | Type::Array(_)
+            | Type::Structure(_)) => {
+                self.reports
+                    .error(value.span, format!("READ of {ty} is not supported yet"));
+                None
+            }
+        }
+    }
+
+    pub(super) fn write(&mut self, file: Option<&Path>, items: &[Item]) -> Option<StmtKind> {
+        let checked: Vec<Option<WriteItem>> =
+            items.iter().map(|item| self.write_item(item)).collect();
+        let file = match file {
+            Some(path) if self.is_predefined_file(path) => None,
+            Some(path) => Some(self.file(path)?),
+            None => None,
+        };
+        let items = checked.into_iter().collect::<Option<Vec<_>>>()?;
+        Some(StmtKind::Write { file, items })
+    }
+
+    fn write_item(&mut self, item: &Item) -> Option<WriteItem> {
+        let formats = self.formats(item)?;
+        let ItemKind::Value(written) = &item.kind else {
+            return Some(WriteItem::LineEnd);
+        };
+        let value = self.expr(written);
+        match &value.ty {
+            Type::Integer | Type::Real | Type::Boolean | Type::Text(_) => {
+                Some(WriteItem::Value { value, formats })
+            }
+            Type::Error => None,
+            ty @ (Type::File
+            | Type::Config
+            | Type::Position(_)
+            | Type::Array(_)
+            | Type::Structure(_)) => {
+                self.reports
+                    .error(written.span, format!("WRITE of {ty} is not supported yet"));
+                None
+            }
+        }
+    }
+
+    fn formats(&mut self, item: &Item) -> Option<Vec<Expr>> {
+        if matches!(item.kind, ItemKind::LineEnd) && !item.formats.is_empty() {
+            self.reports.error(item.span, "CR takes no format");
+            return None;
+        }
+        Some(
+            item.formats
+                .iter()
+                .map(|format| self.integer(format))
+                .collect(),
+        )
+    }
+
+    fn is_predefined_file(&self, path: &Path) -> bool {
+        path.steps.is_empty()
+            && PREDEFINED.contains(&path.root.text.as_str())
+            && !self.is_declared(&path.root.text)
+    }
+}

@@ -1,0 +1,199 @@
+//! What the machine asks of the world: files and sockets, system variables, motion, time.
+//!
+//! The machine does no I/O and reads no clock. Every call here returns at once; what cannot be
+//! answered yet is [`Progress::Pending`], the task is suspended, and [`crate::Run::Blocked`] tells
+//! the caller what to wait for. When the task runs again, the same call is made again with the
+//! same arguments. Waking a task too early is harmless.
+
+use std::{sync::Arc, time::Duration};
+
+use crate::{
+    error::RuntimeError,
+    position::{Position, XyzwprExt},
+    status::Status,
+    syspath::SysPath,
+    value::{SysValue, Value},
+};
+
+/// An open file, named by the host. Never reused while a program may still hold it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct FileId(pub u32);
+
+/// A motion that was started, named by the host.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct MotionId(pub u64);
+
+/// A task, named by the machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct TaskId(pub u32);
+
+/// The answer to a call that may have to wait.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Progress<T> {
+    /// The answer.
+    Ready(T),
+    /// The task waits; the call is repeated with the same arguments when the wait may be over.
+    Pending(Wait),
+}
+
+/// What a suspended task waits for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Wait {
+    /// More bytes, or the end, of a file.
+    Readable(FileId),
+    /// Room to write to a file.
+    Writable(FileId),
+    /// A client on a tag, in upper case and without colon: `S3`.
+    Connect(String),
+    /// A free place in the motion queue.
+    MotionQueue,
+    /// The end of a motion.
+    Motion(MotionId),
+    /// A moment of the controller's clock, time since power-on.
+    Until(Duration),
+}
+
+/// Bytes that arrived and were not consumed yet.
+#[derive(Clone, Copy, Debug)]
+pub struct Input<'a> {
+    /// The bytes, oldest first.
+    pub bytes: &'a [u8],
+    /// Whether more can follow.
+    pub end: InputEnd,
+}
+
+/// Whether more bytes can follow those in an [`Input`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InputEnd {
+    /// More may come.
+    Open,
+    /// Nothing more comes, and this is what a READ beyond the end reports.
+    Closed(Status),
+}
+
+/// The mode of an OPEN FILE.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum OpenMode {
+    /// `RO`.
+    ReadOnly,
+    /// `RW`.
+    ReadWrite,
+    /// `AP`.
+    Append,
+    /// `UD`.
+    Update,
+}
+
+/// Whether a MOVE waits for its end. The host needs it only for its records.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum MoveEnd {
+    /// The statement ends when the motion ends.
+    Wait,
+    /// `NOWAIT`: the statement ends when the motion is queued.
+    NoWait,
+}
+
+/// A MOVE TO. Speed, motion type, frames and termination are the host's system variables
+/// (`$SPEED`, `$MOTYPE`, `$UFRAME`, `$UTOOL`, `$TERMTYPE`) at the moment of the call.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MotionRequest {
+    /// Where `$UTOOL` goes to in `$UFRAME`, millimeters and degrees.
+    pub target: XyzwprExt,
+    /// Motion group, from 1.
+    pub group: i32,
+    /// Whether the statement waits.
+    pub end: MoveEnd,
+    /// Program of the statement, upper case.
+    pub program: Arc<str>,
+    /// Physical source line of the statement, from 1.
+    pub line: u32,
+}
+
+/// The controller around the machine.
+///
+/// Tags are given in upper case and without their colon: `S3` for a program's `'s3:'`.
+pub trait Host {
+    /// Controller time since power-on. Never goes back.
+    fn now(&self) -> Duration;
+
+    /// Waits for a client of a server tag, or connects a client tag. The first call starts to
+    /// listen; a status other than 0 ends the wait.
+    fn msg_connect(&mut self, task: TaskId, tag: &str) -> Progress<Status>;
+
+    /// Closes the connection and the listener of a tag. Harmless on an idle tag.
+    fn msg_disco(&mut self, task: TaskId, tag: &str) -> Status;
+
+    /// Opens `name`, given as the program wrote it (`S3:`, `MC:log.txt`).
+    ///
+    /// # Errors
+    /// The status that `IO_STATUS` shall report.
+    fn open_file(&mut self, task: TaskId, mode: OpenMode, name: &str) -> Result<FileId, Status>;
+
+    /// Flushes and closes a file. The connection of a tag stays until `MSG_DISCO`.
+    fn close_file(&mut self, file: FileId) -> Status;
+
+    /// Breaks reads and writes in progress. Output that was written is not discarded.
+    fn cancel_file(&mut self, file: FileId) -> Status;
+
+    /// Bytes received and not yet consumed.
+    fn input(&self, file: FileId) -> Input<'_>;
+
+    /// Drops the first `count` bytes of [`Host::input`]; `count` is at most their number.
+    fn consume(&mut self, file: FileId, count: usize);
+
+    /// Writes the bytes of one WRITE statement: all of them, in one segment if possible.
+    fn output(&mut self, file: FileId, bytes: &[u8]) -> Progress<Status>;
+
+    /// WRITE without a file variable: text for the pendant's USER screen.
+    fn display(&mut self, task: TaskId, text: &[u8]);
+
+    /// Reads a whole system variable or array element; never a component such as `$UTOOL.X`,
+    /// which the machine takes out of the value of `$UTOOL` itself.
+    ///
+    /// # Errors
+    /// [`Status::VARS_UNKNOWN`], [`Status::VARS_INDEX`], or [`Status::INTP_UNINIT`] if the
+    /// variable exists and has no value.
+    fn system_variable(&self, task: TaskId, path: &SysPath) -> Result<Value, Status>;
+
+    /// Stores a whole system variable or array element. An `INTEGER` for a `REAL` variable was
+    /// not converted if the path was a string of the program (`SET_VAR`).
+    ///
+    /// # Errors
+    /// [`Status::VARS_UNKNOWN`], [`Status::VARS_INDEX`] or [`Status::VARS_TYPE`].
+    fn set_system_variable(
+        &mut self,
+        task: TaskId,
+        path: &SysPath,
+        value: SysValue,
+    ) -> Result<(), Status>;
+
+    /// Where `$UTOOL` is in `$UFRAME` now, with the configuration filled in. `group` from 1.
+    ///
+    /// # Errors
+    /// A status that ends the task.
+    fn current_position(&mut self, task: TaskId, group: i32) -> Result<XyzwprExt, Status>;
+
+    /// Status 0 if `tool` can be brought to `position` in `user_frame`, inside the joint limits
+    /// and in the position's configuration. Does not move and checks no path.
+    fn check_position(
+        &mut self,
+        task: TaskId,
+        position: &XyzwprExt,
+        user_frame: &Position,
+        tool: &Position,
+        group: i32,
+    ) -> Status;
+
+    /// Queues a motion. `Err` means that an alarm was raised; the task ends with it.
+    fn start_motion(
+        &mut self,
+        task: TaskId,
+        motion: MotionRequest,
+    ) -> Progress<Result<MotionId, Status>>;
+
+    /// Status 0 when the motion met its termination criterion; another status ends the task.
+    fn motion_ended(&mut self, motion: MotionId) -> Progress<Status>;
+
+    /// The machine reports the error that ends a task. Called once for each such end.
+    fn post_alarm(&mut self, task: TaskId, alarm: &RuntimeError);
+}

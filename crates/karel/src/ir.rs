@@ -1,0 +1,224 @@
+//! The instructions that the machine executes.
+//!
+//! A stack machine over typed cells. Operands are scalars or addresses; arrays, structures and
+//! positions stay in memory and are named by the address of their first cell. Everything an
+//! instruction needs beyond a number lies in a table of [`Code`].
+
+use std::sync::Arc;
+
+use crate::{
+    ast::{Relation, Waits},
+    builtins::Builtin,
+    syspath::SysPath,
+    types::{PositionKind, Type},
+    value::Text,
+};
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Op {
+    PushInteger(i32),
+    PushReal(f32),
+    PushBoolean(bool),
+    /// From the table of texts.
+    PushText(u32),
+    /// In place of an output argument that is to be ignored.
+    PushDiscard,
+
+    /// Push the value of a cell; an uninitialized one is INTP-311.
+    LoadGlobal(u32),
+    LoadLocal(u32),
+    /// Through the reference in a frame cell.
+    LoadParam(u32),
+    /// Through the address on the stack.
+    LoadIndirect,
+
+    AddressGlobal(u32),
+    AddressLocal(u32),
+    /// The reference in a frame cell.
+    AddressParam(u32),
+    /// Adds to the address on the stack.
+    Offset(u32),
+    /// Puts a length beside the address on the stack: of an array or of a string.
+    Extra(u32),
+    /// Subscripts above an address, by a row of the table of shapes.
+    Index(u32),
+    /// One subscript above the address of an open array; cells of an element.
+    OpenIndex(u32),
+
+    StoreGlobal(u32),
+    StoreLocal(u32),
+    StoreParam(u32),
+    /// Cuts the string to the length beside the reference.
+    StoreTextParam(u32),
+    /// The value above an address.
+    StoreIndirect,
+    /// Cuts the string on the stack.
+    Truncate(u32),
+    /// Copies cells: a source address above a target address.
+    CopyCells(u32),
+    /// Copies a position: a source address above a target address.
+    CopyPosition {
+        from: PositionKind,
+        to: PositionKind,
+    },
+
+    IntegerToReal,
+    NegateInteger,
+    NegateReal,
+    NotBoolean,
+    NotInteger,
+    AddInteger,
+    SubtractInteger,
+    MultiplyInteger,
+    DivInteger,
+    ModInteger,
+    AndInteger,
+    OrInteger,
+    AddReal,
+    SubtractReal,
+    MultiplyReal,
+    DivideReal,
+    AndBoolean,
+    OrBoolean,
+    Concatenate,
+    CompareInteger(Relation),
+    CompareReal(Relation),
+    CompareText(Relation),
+    CompareBoolean(Relation),
+
+    Jump(u32),
+    JumpIfFalse(u32),
+    JumpIfTrue(u32),
+    Call(u32),
+    Return,
+    /// A function reached its END.
+    MissingReturn,
+    /// No CASE matched.
+    NoCase,
+    /// The END of the main body, or ABORT.
+    EndTask,
+
+    /// By a row of the table of built-in calls.
+    Builtin(u32),
+    /// By a row of the table of system variables; subscripts on the stack. A value of several
+    /// cells goes to the address below them.
+    LoadSystem(u32),
+    /// The value, or its address, below the subscripts.
+    StoreSystem(u32),
+    /// Loads for an output argument: an uninitialized variable is no error.
+    FetchSystem(u32),
+    /// Stores after an output argument was written, uninitialized or not.
+    ReturnSystem(u32),
+
+    OpenFile,
+    CloseFile,
+    CancelFile,
+    Read(u32),
+    Write(u32),
+    Delay,
+    Move(Waits),
+}
+
+/// A lowered program.
+#[derive(Debug, Default)]
+pub(crate) struct Code {
+    pub(crate) ops: Vec<Op>,
+    /// Source line of each instruction.
+    pub(crate) lines: Vec<u32>,
+    pub(crate) texts: Vec<Text>,
+    pub(crate) shapes: Vec<Shape>,
+    pub(crate) systems: Vec<SystemRef>,
+    pub(crate) builtins: Vec<BuiltinSite>,
+    pub(crate) reads: Vec<ReadShape>,
+    pub(crate) writes: Vec<WriteShape>,
+    /// The main body first.
+    pub(crate) routines: Vec<RoutineCode>,
+}
+
+#[derive(Debug)]
+pub(crate) struct RoutineCode {
+    pub(crate) name: Arc<str>,
+    pub(crate) entry: u32,
+    /// Arguments that the caller leaves on the stack.
+    pub(crate) args: u32,
+    pub(crate) frame_cells: u32,
+    /// Frame cells of FILE variables.
+    pub(crate) files: Vec<u32>,
+}
+
+/// How subscripts become an offset.
+#[derive(Debug, PartialEq)]
+pub(crate) struct Shape {
+    pub(crate) dims: Vec<u32>,
+    pub(crate) element_cells: u32,
+}
+
+#[derive(Debug)]
+pub(crate) struct SystemRef {
+    pub(crate) steps: Vec<SystemPart>,
+    /// The path, if it has no subscripts that are computed.
+    pub(crate) fixed: Option<SysPath>,
+    /// Subscripts on the stack.
+    pub(crate) subscripts: u32,
+    /// Cell of the component that is meant.
+    pub(crate) component: Option<u32>,
+    pub(crate) ty: Type,
+}
+
+#[derive(Debug)]
+pub(crate) enum SystemPart {
+    Name(String),
+    /// As many subscripts as this.
+    Index(u32),
+}
+
+#[derive(Debug)]
+pub(crate) struct BuiltinSite {
+    pub(crate) builtin: &'static Builtin,
+    /// Types of the arguments as written.
+    pub(crate) types: Vec<Type>,
+    /// Operands: the arguments, and before them the address for a result of several cells.
+    pub(crate) operands: u32,
+    pub(crate) result_in_memory: bool,
+}
+
+#[derive(Debug)]
+pub(crate) struct ReadShape {
+    pub(crate) items: Vec<ReadPart>,
+    pub(crate) operands: u32,
+}
+
+#[derive(Debug)]
+pub(crate) enum ReadPart {
+    /// A target address and format specifiers.
+    Value {
+        ty: ScalarType,
+        formats: u32,
+    },
+    LineEnd,
+}
+
+#[derive(Debug)]
+pub(crate) struct WriteShape {
+    pub(crate) to_file: bool,
+    pub(crate) items: Vec<WritePart>,
+    pub(crate) operands: u32,
+}
+
+#[derive(Debug)]
+pub(crate) enum WritePart {
+    /// A value and format specifiers.
+    Value {
+        formats: u32,
+    },
+    LineEnd,
+}
+
+/// Types that READ and WRITE handle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ScalarType {
+    Integer,
+    Real,
+    Boolean,
+    Text,
+}

@@ -1,0 +1,308 @@
+//! Statements.
+
+use super::{Lowering, add_row, count};
+use crate::{
+    ast::{Direction, Relation},
+    ir::{Op, ReadPart, ReadShape, ScalarType, WritePart, WriteShape},
+    typed::{Case, Constant, Expr, ExprKind, Place, ReadItem, Stmt, StmtKind, Target, WriteItem},
+    types::Type,
+};
+
+impl Lowering<'_> {
+    pub(super) fn stmts(&mut self, stmts: &[Stmt]) {
+        for stmt in stmts {
+            let free = self.temp;
+            self.line = self.source.line(stmt.span);
+            self.stmt(stmt);
+            self.temp = free;
+        }
+    }
+
+    fn stmt(&mut self, stmt: &Stmt) {
+        match &stmt.kind {
+            StmtKind::Label(label) => {
+                let here = self.here();
+                if let Some(slot) = self.labels.get_mut(*label as usize) {
+                    *slot = Some(here);
+                }
+            }
+            StmtKind::Goto(label) => {
+                let jump = self.emit_jump(Op::Jump);
+                self.gotos.push((jump, *label));
+            }
+            StmtKind::Assign {
+                target: Target::Place(place),
+                value,
+            } => self.assign(place, value),
+            StmtKind::Assign {
+                target: Target::System(place),
+                value,
+            } => {
+                self.value(value);
+                let row = self.system(place);
+                self.emit(Op::StoreSystem(row));
+            }
+            StmtKind::Call(call) => self.call(call),
+            StmtKind::Builtin(call) => self.builtin(call),
+            StmtKind::If {
+                condition,
+                then,
+                otherwise,
+            } => {
+                self.if_statement(condition, then, otherwise);
+            }
+            StmtKind::While { condition, body } => self.while_statement(condition, body),
+            StmtKind::For {
+                counter,
+                from,
+                to,
+                direction,
+                body,
+            } => {
+                self.for_statement(counter, from, to, *direction, body);
+            }
+            StmtKind::Repeat { body, until } => {
+                let top = self.here();
+                self.stmts(body);
+                self.scalar(until);
+                let jump = self.emit_jump(Op::JumpIfFalse);
+                self.patch_to(jump, top);
+            }
+            StmtKind::Select {
+                value,
+                cases,
+                otherwise,
+            } => {
+                self.select(value, cases, otherwise.as_deref());
+            }
+            StmtKind::Return(value) => self.return_statement(value.as_ref()),
+            StmtKind::Read { file, items } => self.read(file, items),
+            StmtKind::Write { file, items } => self.write(file.as_ref(), items),
+            StmtKind::OpenFile { file, mode, name } => {
+                self.address(file);
+                self.scalar(mode);
+                self.scalar(name);
+                self.emit(Op::OpenFile);
+            }
+            StmtKind::CloseFile(file) => {
+                self.address(file);
+                self.emit(Op::CloseFile);
+            }
+            StmtKind::CancelFile(file) => {
+                self.address(file);
+                self.emit(Op::CancelFile);
+            }
+            StmtKind::Delay(time) => {
+                self.scalar(time);
+                self.emit(Op::Delay);
+            }
+            StmtKind::MoveTo { target, waits } => {
+                self.value(target);
+                self.emit(Op::Move(*waits));
+            }
+            StmtKind::Abort => self.emit(Op::EndTask),
+        }
+    }
+
+    fn assign(&mut self, place: &Place, value: &Expr) {
+        if place.ty.is_scalar() {
+            self.store(place, |lowering| lowering.scalar(value));
+        } else {
+            self.address(place);
+            self.copy_to_address(value, &place.ty);
+        }
+    }
+
+    fn if_statement(&mut self, condition: &Expr, then: &[Stmt], otherwise: &[Stmt]) {
+        self.scalar(condition);
+        let to_else = self.emit_jump(Op::JumpIfFalse);
+        self.stmts(then);
+        if otherwise.is_empty() {
+            return self.patch(to_else);
+        }
+        let to_end = self.emit_jump(Op::Jump);
+        self.patch(to_else);
+        self.stmts(otherwise);
+        self.patch(to_end);
+    }
+
+    fn while_statement(&mut self, condition: &Expr, body: &[Stmt]) {
+        let line = self.line;
+        let top = self.here();
+        let forever = matches!(condition.kind, ExprKind::Constant(Constant::Boolean(true)));
+        let to_end = if forever {
+            None
+        } else {
+            self.scalar(condition);
+            Some(self.emit_jump(Op::JumpIfFalse))
+        };
+        self.stmts(body);
+        self.line = line;
+        let back = self.emit_jump(Op::Jump);
+        self.patch_to(back, top);
+        if let Some(to_end) = to_end {
+            self.patch(to_end);
+        }
+    }
+
+    /// Both bounds are computed once, before the counter is set. The counter is an ordinary
+    /// variable that is tested before each round, so writing to it changes the loop.
+    ///
+    /// ASSUMPTION: after the loop the counter is one step beyond the limit.
+    fn for_statement(
+        &mut self,
+        counter: &Place,
+        from: &Expr,
+        to: &Expr,
+        direction: Direction,
+        body: &[Stmt],
+    ) {
+        let line = self.line;
+        let limit = self.temporary(1);
+        let start = self.temporary(1);
+        self.scalar(from);
+        self.emit(Op::StoreLocal(start));
+        self.scalar(to);
+        self.emit(Op::StoreLocal(limit));
+        self.store(counter, |lowering| lowering.emit(Op::LoadLocal(start)));
+        let (relation, step) = match direction {
+            Direction::Up => (Relation::LessEqual, Op::AddInteger),
+            Direction::Down => (Relation::GreaterEqual, Op::SubtractInteger),
+        };
+        let top = self.here();
+        self.load(counter);
+        self.emit(Op::LoadLocal(limit));
+        self.emit(Op::CompareInteger(relation));
+        let to_end = self.emit_jump(Op::JumpIfFalse);
+        self.stmts(body);
+        self.line = line;
+        self.store(counter, |lowering| {
+            lowering.load(counter);
+            lowering.emit(Op::PushInteger(1));
+            lowering.emit(step);
+        });
+        let back = self.emit_jump(Op::Jump);
+        self.patch_to(back, top);
+        self.patch(to_end);
+    }
+
+    fn select(&mut self, value: &Expr, cases: &[Case], otherwise: Option<&[Stmt]>) {
+        let selected = self.temporary(1);
+        self.scalar(value);
+        self.emit(Op::StoreLocal(selected));
+        let mut to_cases = Vec::new();
+        for (number, case) in cases.iter().enumerate() {
+            for value in &case.values {
+                self.emit(Op::LoadLocal(selected));
+                self.scalar(value);
+                self.emit(Op::CompareInteger(Relation::Equal));
+                to_cases.push((number, self.emit_jump(Op::JumpIfTrue)));
+            }
+        }
+        match otherwise {
+            Some(stmts) => self.stmts(stmts),
+            None => self.emit(Op::NoCase),
+        }
+        let mut to_end = vec![self.emit_jump(Op::Jump)];
+        for (number, case) in cases.iter().enumerate() {
+            for (_, jump) in to_cases.iter().filter(|(wanted, _)| *wanted == number) {
+                self.patch(*jump);
+            }
+            self.stmts(&case.body);
+            to_end.push(self.emit_jump(Op::Jump));
+        }
+        for jump in to_end {
+            self.patch(jump);
+        }
+    }
+
+    fn return_statement(&mut self, value: Option<&Expr>) {
+        match value {
+            // A RETURN of the main body ends the program.
+            None if self.is_main => return self.emit(Op::EndTask),
+            None => {}
+            Some(value) if value.ty.is_scalar() => self.scalar(value),
+            Some(value) => {
+                self.emit(Op::AddressParam(0));
+                self.copy_to_address(value, &value.ty);
+            }
+        }
+        self.emit(Op::Return);
+    }
+
+    fn read(&mut self, file: &Place, items: &[ReadItem]) {
+        self.address(file);
+        let mut operands = 1;
+        let mut parts = Vec::new();
+        for item in items {
+            parts.push(match item {
+                ReadItem::LineEnd => ReadPart::LineEnd,
+                ReadItem::Value { place, formats } => {
+                    self.reference(place);
+                    for format in formats {
+                        self.scalar(format);
+                    }
+                    let formats = count(formats.len());
+                    operands += 1 + formats;
+                    ReadPart::Value {
+                        ty: scalar_type(&place.ty),
+                        formats,
+                    }
+                }
+            });
+        }
+        let row = add_row(
+            &mut self.code.reads,
+            ReadShape {
+                items: parts,
+                operands,
+            },
+        );
+        self.emit(Op::Read(row));
+    }
+
+    fn write(&mut self, file: Option<&Place>, items: &[WriteItem]) {
+        let mut operands = 0;
+        if let Some(file) = file {
+            self.address(file);
+            operands += 1;
+        }
+        let mut parts = Vec::new();
+        for item in items {
+            parts.push(match item {
+                WriteItem::LineEnd => WritePart::LineEnd,
+                WriteItem::Value { value, formats } => {
+                    self.scalar(value);
+                    for format in formats {
+                        self.scalar(format);
+                    }
+                    let formats = count(formats.len());
+                    operands += 1 + formats;
+                    WritePart::Value { formats }
+                }
+            });
+        }
+        let shape = WriteShape {
+            to_file: file.is_some(),
+            items: parts,
+            operands,
+        };
+        let row = add_row(&mut self.code.writes, shape);
+        self.emit(Op::Write(row));
+    }
+}
+
+fn scalar_type(ty: &Type) -> ScalarType {
+    match ty {
+        Type::Real => ScalarType::Real,
+        Type::Boolean => ScalarType::Boolean,
+        Type::Text(_) => ScalarType::Text,
+        Type::Integer
+        | Type::File
+        | Type::Config
+        | Type::Position(_)
+        | Type::Array(_)
+        | Type::Structure(_)
+        | Type::Error => ScalarType::Integer,
+    }
+}

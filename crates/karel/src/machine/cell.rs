@@ -1,0 +1,256 @@
+//! Memory: a row of cells for the program's variables, another for the frames of a task.
+
+use crate::{
+    host::FileId,
+    position::{Config, XyzwprExt},
+    text_reader::LineState,
+    types::{CONFIG_OFFSET, PositionKind, Type},
+    value::{Text, Value},
+};
+
+use super::fault::Fault;
+
+/// One scalar value, or none.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Cell {
+    Uninit,
+    Integer(i32),
+    Real(f32),
+    Boolean(bool),
+    Text(Text),
+    Config(Config),
+    File(FileCell),
+    /// A reference, in parameter cells and on the operand stack.
+    Address(Address),
+}
+
+/// The state of a FILE variable.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct FileCell {
+    pub(crate) file: Option<FileId>,
+    /// What `IO_STATUS` answers.
+    pub(crate) status: i32,
+    pub(crate) line_state: LineState,
+}
+
+/// Where a cell is, and a length that belongs to the reference: of an open array or a string.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Address {
+    cell: u32,
+    pub(crate) extra: u32,
+}
+
+/// Marks addresses of frames; variables of programs have smaller ones.
+const FRAME_BIT: u32 = 1 << 31;
+
+impl Address {
+    pub(crate) fn global(cell: u32) -> Address {
+        Address { cell, extra: 0 }
+    }
+
+    pub(crate) fn frame(cell: u32) -> Address {
+        Address {
+            cell: cell | FRAME_BIT,
+            extra: 0,
+        }
+    }
+
+    pub(crate) fn plus(self, cells: u32) -> Address {
+        Address {
+            cell: self.cell + cells,
+            extra: self.extra,
+        }
+    }
+
+    pub(crate) fn with_extra(self, extra: u32) -> Address {
+        Address {
+            cell: self.cell,
+            extra,
+        }
+    }
+}
+
+/// All the memory that a task can reach.
+pub(crate) struct Memory<'a> {
+    pub(crate) globals: &'a mut Vec<Cell>,
+    pub(crate) frames: &'a mut Vec<Cell>,
+}
+
+impl Memory<'_> {
+    pub(crate) fn get(&self, address: Address) -> &Cell {
+        let index = (address.cell & !FRAME_BIT) as usize;
+        let row = if address.cell & FRAME_BIT == 0 {
+            &*self.globals
+        } else {
+            &*self.frames
+        };
+        row.get(index)
+            .expect("the checker gave every place its cells")
+    }
+
+    pub(crate) fn get_mut(&mut self, address: Address) -> &mut Cell {
+        let index = (address.cell & !FRAME_BIT) as usize;
+        let row = if address.cell & FRAME_BIT == 0 {
+            &mut *self.globals
+        } else {
+            &mut *self.frames
+        };
+        row.get_mut(index)
+            .expect("the checker gave every place its cells")
+    }
+
+    pub(crate) fn set(&mut self, address: Address, cell: Cell) {
+        *self.get_mut(address) = cell;
+    }
+
+    pub(crate) fn file(&self, address: Address) -> FileCell {
+        match self.get(address) {
+            Cell::File(file) => *file,
+            other => unreachable!("a FILE variable holds {other:?}"),
+        }
+    }
+
+    pub(crate) fn set_file(&mut self, address: Address, file: FileCell) {
+        self.set(address, Cell::File(file));
+    }
+
+    pub(crate) fn copy_cells(&mut self, from: Address, to: Address, cells: u32) {
+        for offset in 0..cells {
+            let cell = self.get(from.plus(offset)).clone();
+            self.set(to.plus(offset), cell);
+        }
+    }
+
+    /// Reads a position. Components that are uninitialized are an error; a configuration or an
+    /// extended axis that was never set is the default one, because programs fill only x..r.
+    pub(crate) fn position(&self, at: Address, kind: PositionKind) -> Result<XyzwprExt, Fault> {
+        let mut components = [0.0; 6];
+        for (component, offset) in components.iter_mut().zip(0..) {
+            match self.get(at.plus(offset)) {
+                Cell::Real(value) => *component = *value,
+                _ => return Err(Fault::uninit()),
+            }
+        }
+        let config = match self.get(at.plus(CONFIG_OFFSET)) {
+            Cell::Config(config) => *config,
+            _ => Config::default(),
+        };
+        let mut ext = [0.0; 3];
+        if kind == PositionKind::XyzwprExt {
+            for (axis, offset) in ext.iter_mut().zip(CONFIG_OFFSET + 1..) {
+                if let Cell::Real(value) = self.get(at.plus(offset)) {
+                    *axis = *value;
+                }
+            }
+        }
+        let [x, y, z, w, p, r] = components;
+        Ok(XyzwprExt {
+            x,
+            y,
+            z,
+            w,
+            p,
+            r,
+            config,
+            ext,
+        })
+    }
+
+    pub(crate) fn set_position(&mut self, at: Address, kind: PositionKind, value: &XyzwprExt) {
+        let XyzwprExt {
+            x,
+            y,
+            z,
+            w,
+            p,
+            r,
+            config,
+            ext,
+        } = *value;
+        for (component, offset) in [x, y, z, w, p, r].into_iter().zip(0..) {
+            self.set(at.plus(offset), Cell::Real(component));
+        }
+        self.set(at.plus(CONFIG_OFFSET), Cell::Config(config));
+        if kind == PositionKind::XyzwprExt {
+            for (axis, offset) in ext.into_iter().zip(CONFIG_OFFSET + 1..) {
+                self.set(at.plus(offset), Cell::Real(axis));
+            }
+        }
+    }
+
+    /// The value of a variable for the world outside; `None` if it is uninitialized.
+    pub(crate) fn value(&self, at: Address, ty: &Type) -> Option<Value> {
+        if let Type::Position(kind) = ty {
+            let position = self.position(at, *kind).ok()?;
+            return Some(match kind {
+                PositionKind::Position => Value::Position(position.into()),
+                PositionKind::Xyzwpr => Value::Xyzwpr(position.into()),
+                PositionKind::XyzwprExt => Value::XyzwprExt(position),
+            });
+        }
+        match self.get(at) {
+            Cell::Integer(value) => Some(Value::Integer(*value)),
+            Cell::Real(value) => Some(Value::Real(*value)),
+            Cell::Boolean(value) => Some(Value::Boolean(*value)),
+            Cell::Text(value) => Some(Value::String(value.clone())),
+            Cell::Config(value) => Some(Value::Config(*value)),
+            Cell::Uninit | Cell::File(_) | Cell::Address(_) => None,
+        }
+    }
+
+    /// Makes a variable uninitialized.
+    pub(crate) fn clear(&mut self, at: Address, ty: &Type) {
+        for offset in 0..ty.size() {
+            self.set(at.plus(offset), Cell::Uninit);
+        }
+    }
+
+    /// Stores a value from outside, converted to the variable's type if KAREL would convert it.
+    /// `false` if the types do not fit; nothing is stored then.
+    pub(crate) fn set_value(&mut self, at: Address, ty: &Type, value: &Value) -> bool {
+        let cell = match (ty, value) {
+            (Type::Position(kind), _) => {
+                let Some(position) = value.as_xyzwprext() else {
+                    return false;
+                };
+                self.set_position(at, *kind, &position);
+                return true;
+            }
+            (Type::Integer, Value::Integer(value)) => Cell::Integer(*value),
+            (Type::Real, Value::Real(value)) => Cell::Real(*value),
+            (Type::Real, Value::Integer(value)) => Cell::Real(crate::value::real_of(*value)),
+            (Type::Boolean, Value::Boolean(value)) => Cell::Boolean(*value),
+            (Type::Config, Value::Config(value)) => Cell::Config(*value),
+            (Type::Text(length), Value::String(text)) => {
+                let mut text = text.clone();
+                text.truncate(match length {
+                    crate::types::TextLength::AtMost(length) => *length as usize,
+                    crate::types::TextLength::Any => at.extra as usize,
+                });
+                Cell::Text(text)
+            }
+            _ => return false,
+        };
+        self.set(at, cell);
+        true
+    }
+
+    /// Whether a variable counts as uninitialized: a scalar without a value, a position without
+    /// one of its six components.
+    pub(crate) fn is_uninit(&self, at: Address, ty: &Type) -> bool {
+        match ty {
+            Type::Position(_) => (0..6).any(|offset| *self.get(at.plus(offset)) == Cell::Uninit),
+            // ASSUMPTION: arrays and structures count as uninitialized while all of them is.
+            Type::Array(_) | Type::Structure(_) => {
+                (0..ty.size()).all(|offset| *self.get(at.plus(offset)) == Cell::Uninit)
+            }
+            Type::Integer
+            | Type::Real
+            | Type::Boolean
+            | Type::Text(_)
+            | Type::File
+            | Type::Config
+            | Type::Error => *self.get(at) == Cell::Uninit,
+        }
+    }
+}

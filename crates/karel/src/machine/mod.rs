@@ -1,0 +1,298 @@
+//! The machine: programs, their variables, and tasks that execute them in slices.
+
+mod arithmetic;
+pub(crate) mod cell;
+mod exec;
+pub(crate) mod fault;
+mod system;
+mod task;
+mod transfer;
+mod variables;
+
+use std::{collections::BTreeMap, sync::Arc};
+
+use crate::{
+    error::{CallSite, RuntimeError},
+    host::{Host, TaskId},
+    ir::Op,
+    program::Program,
+    run::{Limits, Run, Slice, TaskState, TaskView},
+};
+use cell::{Cell, FileCell};
+use exec::{Exec, Stop};
+
+pub(crate) use arithmetic::finite;
+use fault::Fault;
+pub(crate) use system::{component_of, set_component};
+use task::{Pending, Task};
+pub(crate) use variables::find as find_variable;
+
+/// Programs and tasks of one controller.
+///
+/// Variables of a program keep their values as long as the program is loaded, whatever happens to
+/// its tasks; variables of a routine start uninitialized at every call.
+#[derive(Debug)]
+pub struct Machine {
+    limits: Limits,
+    programs: Vec<Loaded>,
+    globals: Vec<Cell>,
+    tasks: BTreeMap<TaskId, Task>,
+    next_task: u32,
+}
+
+#[derive(Debug)]
+pub(crate) struct Loaded {
+    program: Program,
+    /// Where its variables start in `globals`.
+    base: u32,
+}
+
+/// Why a program cannot be loaded.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum LoadError {
+    /// A program of this name is loaded.
+    #[error("program {0} is loaded already")]
+    Duplicate(String),
+    /// The machine's limit.
+    #[error("{0} programs are loaded, which is the limit")]
+    TooMany(usize),
+}
+
+/// Why a program cannot be started.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum StartError {
+    /// No program of this name is loaded.
+    #[error("program {0} is not loaded")]
+    NotLoaded(String),
+    /// A task of this program runs already.
+    #[error("program {0} is running already")]
+    Running(String),
+    /// The machine's limit.
+    #[error("{0} tasks exist, which is the limit")]
+    TooMany(usize),
+}
+
+impl Machine {
+    /// A machine without programs.
+    #[must_use]
+    pub fn new(limits: Limits) -> Machine {
+        let globals = Vec::new();
+        Machine {
+            limits,
+            programs: Vec::new(),
+            globals,
+            tasks: BTreeMap::new(),
+            next_task: 1,
+        }
+    }
+
+    /// Loads a program; its variables are uninitialized.
+    ///
+    /// # Errors
+    /// Its name is taken, or too many are loaded.
+    pub fn load(&mut self, program: Program) -> Result<(), LoadError> {
+        if self.find_program(program.name()).is_some() {
+            return Err(LoadError::Duplicate(program.name().to_owned()));
+        }
+        if self.programs.len() >= self.limits.programs {
+            return Err(LoadError::TooMany(self.programs.len()));
+        }
+        let base = self.globals.len();
+        self.globals
+            .resize(base + program.global_cells as usize, Cell::Uninit);
+        for file in &program.global_files {
+            if let Some(cell) = self.globals.get_mut(base + *file as usize) {
+                *cell = Cell::File(FileCell::default());
+            }
+        }
+        let base = u32::try_from(base).unwrap_or(u32::MAX);
+        self.programs.push(Loaded { program, base });
+        Ok(())
+    }
+
+    /// Starts a task at the main body of a program. Names have no case.
+    ///
+    /// # Errors
+    /// The program is not loaded or runs already, or too many tasks exist.
+    pub fn start(&mut self, program: &str) -> Result<TaskId, StartError> {
+        let index = self
+            .find_program(program)
+            .ok_or_else(|| StartError::NotLoaded(program.to_ascii_uppercase()))?;
+        let name: Arc<str> = program.to_ascii_uppercase().into();
+        let same = self.tasks.values().find(|task| task.name == name);
+        if same.is_some_and(|task| is_alive(&task.state)) {
+            return Err(StartError::Running(name.to_string()));
+        }
+        self.tasks.retain(|_, task| task.name != name);
+        if self.tasks.len() >= self.limits.tasks {
+            return Err(StartError::TooMany(self.tasks.len()));
+        }
+        let id = TaskId(self.next_task);
+        self.next_task = self.next_task.wrapping_add(1);
+        let code = self.programs.get(index).map(|loaded| &loaded.program.code);
+        let main = code.and_then(|code| code.routines.first());
+        let mut task = Task {
+            name,
+            program: index,
+            pc: main.map_or(0, |main| main.entry as usize),
+            base: 0,
+            routine: 0,
+            callers: Vec::new(),
+            frames: vec![Cell::Uninit; main.map_or(0, |main| main.frame_cells as usize)],
+            operands: Vec::new(),
+            pending: Pending::None,
+            state: TaskState::Ready,
+        };
+        task.operands.reserve(16);
+        let _ = self.tasks.insert(id, task);
+        Ok(id)
+    }
+
+    /// Executes a task until it waits, ends, or has used up `fuel` instructions.
+    ///
+    /// A task that ended, or that does not exist, reports its end and uses nothing.
+    pub fn run(&mut self, id: TaskId, fuel: u32, host: &mut dyn Host) -> Slice {
+        let Some(task) = self.tasks.get_mut(&id) else {
+            return Slice {
+                run: Run::Ended,
+                used: 0,
+            };
+        };
+        match &task.state {
+            TaskState::Ready | TaskState::Blocked(_) => {}
+            TaskState::Ended => {
+                return Slice {
+                    run: Run::Ended,
+                    used: 0,
+                };
+            }
+            TaskState::Aborted(error) => {
+                return Slice {
+                    run: Run::Aborted(error.clone()),
+                    used: 0,
+                };
+            }
+        }
+        let Some(loaded) = self.programs.get(task.program) else {
+            return Slice {
+                run: Run::Ended,
+                used: 0,
+            };
+        };
+        let mut exec = Exec {
+            id,
+            program: &loaded.program,
+            global_base: loaded.base,
+            globals: &mut self.globals,
+            programs: &self.programs,
+            task,
+            host,
+            limits: &self.limits,
+        };
+        let (stop, used) = exec.run(fuel);
+        let run = match stop {
+            Stop::OutOfFuel => Run::OutOfFuel,
+            Stop::Blocked(wait) => Run::Blocked(wait),
+            Stop::Ended => Run::Ended,
+            Stop::Failed(fault) => {
+                let error = runtime_error(fault, task, &loaded.program);
+                host.post_alarm(id, &error);
+                Run::Aborted(error)
+            }
+        };
+        task.state = match &run {
+            Run::OutOfFuel => TaskState::Ready,
+            Run::Blocked(wait) => TaskState::Blocked(wait.clone()),
+            Run::Ended => TaskState::Ended,
+            Run::Aborted(error) => TaskState::Aborted(error.clone()),
+        };
+        Slice { run, used }
+    }
+
+    /// What can be seen of a task; `None` if there is no such task.
+    #[must_use]
+    pub fn task(&self, id: TaskId) -> Option<TaskView> {
+        let task = self.tasks.get(&id)?;
+        let program = &self.programs.get(task.program)?.program;
+        let calls = call_stack(task, program);
+        Some(TaskView {
+            name: task.name.clone(),
+            program: program.name_arc(),
+            line: calls.first().map_or(0, |innermost| innermost.line),
+            state: task.state.clone(),
+            calls,
+        })
+    }
+
+    /// The tasks that exist, ended ones included, oldest first.
+    pub fn tasks(&self) -> impl Iterator<Item = TaskId> + '_ {
+        self.tasks.keys().copied()
+    }
+
+    /// Ends a task between two instructions. Its connections stay open until a program
+    /// disconnects them, as on a controller; what moves is the host's business.
+    pub fn abort(&mut self, id: TaskId, host: &mut dyn Host) {
+        if let Some(task) = self.tasks.get_mut(&id)
+            && is_alive(&task.state)
+        {
+            for file in task.frames.iter().filter_map(open_file) {
+                let _ = host.close_file(file);
+            }
+            task.state = TaskState::Ended;
+        }
+    }
+
+    fn find_program(&self, name: &str) -> Option<usize> {
+        self.programs
+            .iter()
+            .position(|loaded| loaded.program.name().eq_ignore_ascii_case(name))
+    }
+}
+
+fn is_alive(state: &TaskState) -> bool {
+    matches!(state, TaskState::Ready | TaskState::Blocked(_))
+}
+
+fn open_file(cell: &Cell) -> Option<crate::host::FileId> {
+    match cell {
+        Cell::File(file) => file.file,
+        Cell::Uninit
+        | Cell::Integer(_)
+        | Cell::Real(_)
+        | Cell::Boolean(_)
+        | Cell::Text(_)
+        | Cell::Config(_)
+        | Cell::Address(_) => None,
+    }
+}
+
+/// The call stack, innermost first. A caller's counter is already behind its call.
+fn call_stack(task: &Task, program: &Program) -> Vec<CallSite> {
+    let site = |routine: u32, pc: usize| CallSite {
+        program: program.name_arc(),
+        routine: program
+            .code
+            .routines
+            .get(routine as usize)
+            .map_or_else(|| program.name_arc(), |routine| routine.name.clone()),
+        line: program.code.lines.get(pc).copied().unwrap_or(0),
+    };
+    let innermost = site(task.routine, task.pc);
+    let callers = task.callers.iter().rev();
+    let callers = callers.map(|caller| site(caller.routine, caller.pc.saturating_sub(1)));
+    std::iter::once(innermost).chain(callers).collect()
+}
+
+fn runtime_error(fault: Fault, task: &Task, program: &Program) -> RuntimeError {
+    let calls = call_stack(task, program);
+    RuntimeError {
+        status: fault.status,
+        message: fault.message.into_owned(),
+        program: program.name_arc(),
+        line: calls.first().map_or(0, |innermost| innermost.line),
+        calls,
+    }
+}
+
+/// Instructions stay small: the hot loop copies them.
+const _: () = assert!(size_of::<Op>() <= 8 && size_of::<Cell>() <= 24);

@@ -1,0 +1,46 @@
+//! The state of a task: plain data, so that it can wait anywhere.
+
+use std::{sync::Arc, time::Duration};
+
+use super::cell::Cell;
+use crate::{host::MotionId, run::TaskState};
+
+#[derive(Debug)]
+pub(crate) struct Task {
+    pub(crate) name: Arc<str>,
+    /// Program of the code that runs, an index of the machine.
+    pub(crate) program: usize,
+    /// Next instruction, or the one that waits.
+    pub(crate) pc: usize,
+    /// Where the frame of the running routine starts.
+    pub(crate) base: usize,
+    /// Routine that runs.
+    pub(crate) routine: u32,
+    /// Callers, outermost first.
+    pub(crate) callers: Vec<Caller>,
+    pub(crate) frames: Vec<Cell>,
+    pub(crate) operands: Vec<Cell>,
+    pub(crate) pending: Pending,
+    pub(crate) state: TaskState,
+}
+
+/// What a routine returns to.
+#[derive(Debug)]
+pub(crate) struct Caller {
+    pub(crate) routine: u32,
+    pub(crate) pc: usize,
+    pub(crate) base: usize,
+}
+
+/// Progress of the instruction that waits.
+#[derive(Debug, Default)]
+pub(crate) enum Pending {
+    #[default]
+    None,
+    /// A DELAY, or a pause that a built-in takes before it goes on.
+    Until(Duration),
+    /// Items of a READ that are done.
+    Read { item: usize, operand: usize },
+    /// A MOVE that was started.
+    Motion(MotionId),
+}

@@ -1,0 +1,288 @@
+//! Cartesian positions as KAREL holds them: `f32` millimeters and degrees plus a configuration.
+//!
+//! W, P and R are rotations about the fixed X, Y and Z axes: `R = Rz(r) Ry(p) Rx(w)`.
+
+use std::fmt;
+
+/// Which way the wrist bends.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Wrist {
+    /// `F`.
+    Flip,
+    /// `N`.
+    #[default]
+    NoFlip,
+}
+
+/// Where the elbow is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Elbow {
+    /// `U`.
+    #[default]
+    Up,
+    /// `D`.
+    Down,
+}
+
+/// Whether the arm reaches to its front or over its back.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Front {
+    /// `T`, toward the front.
+    #[default]
+    Toward,
+    /// `B`, over the back.
+    Back,
+}
+
+/// KAREL's `CONFIG`: the branch of the inverse kinematics and the turns of J4, J5 and J6.
+///
+/// `Display` writes `N U T, 0, 0, 0`. The default is the one KAREL assumes when a program fills
+/// only x..r of a position: no flip, elbow up, front, no turns.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Config {
+    /// Flip or no flip.
+    pub wrist: Wrist,
+    /// Up or down.
+    pub elbow: Elbow,
+    /// Toward or back.
+    pub front: Front,
+    /// Turn numbers of J4, J5 and J6.
+    pub turns: [i8; 3],
+}
+
+impl fmt::Display for Config {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let wrist = match self.wrist {
+            Wrist::Flip => 'F',
+            Wrist::NoFlip => 'N',
+        };
+        let elbow = match self.elbow {
+            Elbow::Up => 'U',
+            Elbow::Down => 'D',
+        };
+        let front = match self.front {
+            Front::Toward => 'T',
+            Front::Back => 'B',
+        };
+        let [j4, j5, j6] = self.turns;
+        write!(f, "{wrist} {elbow} {front}, {j4}, {j5}, {j6}")
+    }
+}
+
+/// `XYZWPR`: a position with its configuration.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Xyzwpr {
+    /// X in millimeters.
+    pub x: f32,
+    /// Y in millimeters.
+    pub y: f32,
+    /// Z in millimeters.
+    pub z: f32,
+    /// W, rotation about the fixed X axis, in degrees.
+    pub w: f32,
+    /// P, rotation about the fixed Y axis, in degrees.
+    pub p: f32,
+    /// R, rotation about the fixed Z axis, in degrees.
+    pub r: f32,
+    /// The branch of the inverse kinematics.
+    pub config: Config,
+}
+
+impl Xyzwpr {
+    /// Builds a position from x, y, z (millimeters) and w, p, r (degrees), default configuration.
+    #[must_use]
+    pub fn from_components([x, y, z, w, p, r]: [f32; 6]) -> Xyzwpr {
+        Xyzwpr {
+            x,
+            y,
+            z,
+            w,
+            p,
+            r,
+            config: Config::default(),
+        }
+    }
+
+    /// x, y, z in millimeters and w, p, r in degrees.
+    #[must_use]
+    pub fn components(&self) -> [f32; 6] {
+        [self.x, self.y, self.z, self.w, self.p, self.r]
+    }
+}
+
+/// `POSITION`: on a controller a matrix, here the same six components as [`Xyzwpr`].
+///
+/// ASSUMPTION: a program cannot observe the matrix except through W, P, R values that a round
+/// trip through it would normalize; this crate keeps them as they were written.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Position {
+    /// X in millimeters.
+    pub x: f32,
+    /// Y in millimeters.
+    pub y: f32,
+    /// Z in millimeters.
+    pub z: f32,
+    /// W, rotation about the fixed X axis, in degrees.
+    pub w: f32,
+    /// P, rotation about the fixed Y axis, in degrees.
+    pub p: f32,
+    /// R, rotation about the fixed Z axis, in degrees.
+    pub r: f32,
+    /// The branch of the inverse kinematics.
+    pub config: Config,
+}
+
+/// `XYZWPREXT`: a position with its configuration and up to three extended axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct XyzwprExt {
+    /// X in millimeters.
+    pub x: f32,
+    /// Y in millimeters.
+    pub y: f32,
+    /// Z in millimeters.
+    pub z: f32,
+    /// W, rotation about the fixed X axis, in degrees.
+    pub w: f32,
+    /// P, rotation about the fixed Y axis, in degrees.
+    pub p: f32,
+    /// R, rotation about the fixed Z axis, in degrees.
+    pub r: f32,
+    /// The branch of the inverse kinematics.
+    pub config: Config,
+    /// Extended axes, millimeters or degrees; zero where there is none.
+    pub ext: [f32; 3],
+}
+
+impl From<Xyzwpr> for Position {
+    fn from(
+        Xyzwpr {
+            x,
+            y,
+            z,
+            w,
+            p,
+            r,
+            config,
+        }: Xyzwpr,
+    ) -> Position {
+        Position {
+            x,
+            y,
+            z,
+            w,
+            p,
+            r,
+            config,
+        }
+    }
+}
+
+impl From<Position> for Xyzwpr {
+    fn from(
+        Position {
+            x,
+            y,
+            z,
+            w,
+            p,
+            r,
+            config,
+        }: Position,
+    ) -> Xyzwpr {
+        Xyzwpr {
+            x,
+            y,
+            z,
+            w,
+            p,
+            r,
+            config,
+        }
+    }
+}
+
+impl From<Xyzwpr> for XyzwprExt {
+    fn from(
+        Xyzwpr {
+            x,
+            y,
+            z,
+            w,
+            p,
+            r,
+            config,
+        }: Xyzwpr,
+    ) -> XyzwprExt {
+        XyzwprExt {
+            x,
+            y,
+            z,
+            w,
+            p,
+            r,
+            config,
+            ext: [0.0; 3],
+        }
+    }
+}
+
+impl From<XyzwprExt> for Xyzwpr {
+    fn from(
+        XyzwprExt {
+            x,
+            y,
+            z,
+            w,
+            p,
+            r,
+            config,
+            ext: _,
+        }: XyzwprExt,
+    ) -> Xyzwpr {
+        Xyzwpr {
+            x,
+            y,
+            z,
+            w,
+            p,
+            r,
+            config,
+        }
+    }
+}
+
+impl From<Position> for XyzwprExt {
+    fn from(position: Position) -> XyzwprExt {
+        Xyzwpr::from(position).into()
+    }
+}
+
+impl From<XyzwprExt> for Position {
+    fn from(position: XyzwprExt) -> Position {
+        Xyzwpr::from(position).into()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_configuration_reads_like_on_the_pendant() {
+        assert_eq!(Config::default().to_string(), "N U T, 0, 0, 0");
+        let turned = Config {
+            wrist: Wrist::Flip,
+            turns: [0, -1, 1],
+            ..Config::default()
+        };
+        assert_eq!(turned.to_string(), "F U T, 0, -1, 1");
+    }
+
+    #[test]
+    fn extended_axes_are_zero_where_a_position_had_none() {
+        let plain = Xyzwpr::from_components([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        let extended = XyzwprExt::from(plain);
+        assert_eq!(extended.ext, [0.0; 3]);
+        assert_eq!(Xyzwpr::from(extended), plain);
+    }
+}

@@ -1,0 +1,67 @@
+//! A program that was parsed, checked and lowered.
+
+use std::{collections::HashMap, sync::Arc};
+
+use crate::{
+    check,
+    diagnostic::{Diagnostic, Reports},
+    ir::Code,
+    lower, parser,
+    span::Source,
+    types::Type,
+};
+
+/// A KAREL program, ready to be loaded into a [`crate::Machine`].
+#[derive(Debug)]
+pub struct Program {
+    name: Arc<str>,
+    warnings: Vec<Diagnostic>,
+    pub(crate) code: Code,
+    pub(crate) globals: HashMap<String, (u32, Type)>,
+    pub(crate) global_cells: u32,
+    pub(crate) global_files: Vec<u32>,
+}
+
+impl Program {
+    /// Translates a source. `source` is Latin-1 with LF or CRLF line ends; `file_name` is only
+    /// for messages.
+    ///
+    /// # Errors
+    /// Everything that was found, in the order of the source, warnings included.
+    pub fn parse_and_check(source: &[u8], file_name: &str) -> Result<Program, Vec<Diagnostic>> {
+        let source = Source::new(source, file_name);
+        let mut reports = Reports::default();
+        let Some(tree) = parser::parse(&source, &mut reports) else {
+            return Err(reports.into_diagnostics(&source));
+        };
+        let checked = check::check(&tree, &mut reports);
+        if reports.has_errors() {
+            return Err(reports.into_diagnostics(&source));
+        }
+        let code = lower::lower(&checked, &source);
+        Ok(Program {
+            name: checked.name.as_str().into(),
+            warnings: reports.into_diagnostics(&source),
+            code,
+            globals: checked.globals,
+            global_cells: checked.global_cells,
+            global_files: checked.global_files,
+        })
+    }
+
+    /// The name after PROGRAM, upper case.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What is suspicious but legal.
+    #[must_use]
+    pub fn warnings(&self) -> &[Diagnostic] {
+        &self.warnings
+    }
+
+    pub(crate) fn name_arc(&self) -> Arc<str> {
+        self.name.clone()
+    }
+}

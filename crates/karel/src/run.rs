@@ -1,0 +1,82 @@
+//! What a slice of execution ends with, and what can be seen of a task.
+
+use std::sync::Arc;
+
+use crate::{
+    error::{CallSite, RuntimeError},
+    host::Wait,
+};
+
+/// Bounds of a machine; every one of them ends in an error, never in a clamp.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Routine calls that may be open in one task; beyond it INTP-302.
+    pub call_depth: usize,
+    /// Cells of memory for the locals of one task; beyond it INTP-302.
+    pub stack_cells: usize,
+    /// Programs that may be loaded.
+    pub programs: usize,
+    /// Tasks that may exist, ended ones included.
+    pub tasks: usize,
+}
+
+impl Default for Limits {
+    fn default() -> Limits {
+        Limits {
+            call_depth: 200,
+            stack_cells: 1 << 18,
+            programs: 64,
+            tasks: 64,
+        }
+    }
+}
+
+/// Why [`crate::Machine::run`] returned, and what it cost.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Slice {
+    /// Why it returned.
+    pub run: Run,
+    /// Instructions that were executed; at most the fuel given.
+    pub used: u32,
+}
+
+/// Why a task stopped executing.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Run {
+    /// The fuel is spent; run it again.
+    OutOfFuel,
+    /// The task waits; run it again when the wait may be over.
+    Blocked(Wait),
+    /// The program ended normally, or was aborted by its own ABORT statement or from outside.
+    Ended,
+    /// A run-time error ended the task; [`crate::Host::post_alarm`] was called with it.
+    Aborted(RuntimeError),
+}
+
+/// The state of a task.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TaskState {
+    /// It has instructions to execute.
+    Ready,
+    /// It waits.
+    Blocked(Wait),
+    /// It ended without an error.
+    Ended,
+    /// It ended with an error.
+    Aborted(RuntimeError),
+}
+
+/// What can be seen of a task from outside.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TaskView {
+    /// Name of the task: its root program, upper case.
+    pub name: Arc<str>,
+    /// Program of the routine that is executed, upper case.
+    pub program: Arc<str>,
+    /// Physical source line of the current statement, from 1; 0 before the first.
+    pub line: u32,
+    /// Its state.
+    pub state: TaskState,
+    /// The call stack, innermost first.
+    pub calls: Vec<CallSite>,
+}

@@ -1,0 +1,153 @@
+//! Status codes of a controller: facility times 1000 plus number, zero for success.
+
+use std::fmt;
+
+/// What a built-in, an I/O statement or the host answers: `0`, or `facility * 1000 + number`.
+///
+/// `Display` writes the controller's own notation, `HOST-144` or `INTP-311`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Status(pub i32);
+
+impl Status {
+    /// Success.
+    pub const OK: Status = Status(0);
+
+    /// FILE-021: end of file.
+    pub const FILE_END: Status = Status(2021);
+    /// FILE-032: illegal parameter, such as an open mode that does not exist.
+    pub const FILE_ILLEGAL_PARAMETER: Status = Status(2032);
+    /// MEMO-073: the program does not exist.
+    pub const MEMO_NO_PROGRAM: Status = Status(7073);
+
+    /// INTP-302: the call stack is full.
+    pub const INTP_STACK_OVERFLOW: Status = Status(12302);
+    /// INTP-303: a limit of the interpreter was exceeded.
+    pub const INTP_LIMIT: Status = Status(12303);
+    /// INTP-304: array lengths differ.
+    pub const INTP_ARRAY_LENGTH: Status = Status(12304);
+    /// INTP-307: a number is divided by zero.
+    pub const INTP_DIVIDE_BY_ZERO: Status = Status(12307);
+    /// INTP-308: no CASE of a SELECT matched and there was no ELSE.
+    pub const INTP_NO_CASE: Status = Status(12308);
+    /// INTP-310: subscript out of range.
+    pub const INTP_SUBSCRIPT: Status = Status(12310);
+    /// INTP-311: uninitialized data is used.
+    pub const INTP_UNINIT: Status = Status(12311);
+    /// INTP-319: the type of a value does not fit.
+    pub const INTP_TYPE: Status = Status(12319);
+    /// INTP-320: the built-in does not exist on this controller.
+    pub const INTP_UNDEFINED_BUILTIN: Status = Status(12320);
+    /// INTP-322: bad argument of a built-in.
+    pub const INTP_ARGUMENT: Status = Status(12322);
+    /// INTP-323: arithmetic overflow.
+    pub const INTP_OVERFLOW: Status = Status(12323);
+    /// INTP-326: the file variable is already in use.
+    pub const INTP_FILE_IN_USE: Status = Status(12326);
+    /// INTP-327: the file cannot be opened.
+    pub const INTP_OPEN_FAILED: Status = Status(12327);
+    /// INTP-328: the file is not open.
+    pub const INTP_NOT_OPEN: Status = Status(12328);
+    /// INTP-330: a write failed.
+    pub const INTP_WRITE_FAILED: Status = Status(12330);
+    /// INTP-332: too little data for a read.
+    pub const INTP_SHORT_DATA: Status = Status(12332);
+    /// INTP-333: the characters do not form a value of the type that is read.
+    pub const INTP_ILLEGAL_DATA: Status = Status(12333);
+    /// INTP-334: a read failed.
+    pub const INTP_READ_FAILED: Status = Status(12334);
+
+    /// PRIO-002: illegal port number.
+    pub const PRIO_PORT_NUMBER: Status = Status(13002);
+
+    /// MOTN-017: the position is outside of the joint limits.
+    pub const MOTN_LIMIT: Status = Status(15017);
+    /// MOTN-018: the position is not reachable.
+    pub const MOTN_UNREACHABLE: Status = Status(15018);
+
+    /// VARS-011: the variable name does not exist.
+    pub const VARS_UNKNOWN: Status = Status(16011);
+    /// VARS-012: the value's type does not fit the variable.
+    pub const VARS_TYPE: Status = Status(16012);
+    /// VARS-024: the array index is out of range.
+    pub const VARS_INDEX: Status = Status(16024);
+
+    /// HOST-144: the tag is not defined, not started, or already connected.
+    pub const HOST_TAG: Status = Status(67144);
+    /// HOST-213: the peer closed its side of the connection.
+    pub const HOST_PEER_CLOSED: Status = Status(67213);
+
+    /// Composes a status from a facility code and a number.
+    #[must_use]
+    pub const fn new(facility: i32, number: i32) -> Status {
+        Status(facility * 1000 + number)
+    }
+
+    /// Whether this is success.
+    #[must_use]
+    pub const fn is_ok(self) -> bool {
+        self.0 == 0
+    }
+
+    /// The facility code, 12 for INTP.
+    #[must_use]
+    pub const fn facility(self) -> i32 {
+        self.0 / 1000
+    }
+
+    /// The number within the facility, 311 for INTP-311.
+    #[must_use]
+    pub const fn number(self) -> i32 {
+        self.0 % 1000
+    }
+
+    /// The facility's four-letter name, if this crate knows it.
+    #[must_use]
+    pub fn facility_name(self) -> Option<&'static str> {
+        let facility = self.facility();
+        FACILITIES
+            .iter()
+            .find(|(code, _)| *code == facility)
+            .map(|(_, name)| *name)
+    }
+}
+
+const FACILITIES: &[(i32, &str)] = &[
+    (2, "FILE"),
+    (7, "MEMO"),
+    (11, "SRVO"),
+    (12, "INTP"),
+    (13, "PRIO"),
+    (15, "MOTN"),
+    (16, "VARS"),
+    (24, "SYST"),
+    (61, "QMGR"),
+    (67, "HOST"),
+    (85, "FRSY"),
+];
+
+impl fmt::Display for Status {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.facility_name() {
+            Some(name) => write!(f, "{name}-{:03}", self.number()),
+            None => write!(f, "{}", self.0),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_status_reads_like_on_the_pendant() {
+        assert_eq!(Status::HOST_TAG.to_string(), "HOST-144");
+        assert_eq!(Status::INTP_UNINIT.to_string(), "INTP-311");
+        assert_eq!(Status::PRIO_PORT_NUMBER.to_string(), "PRIO-002");
+    }
+
+    #[test]
+    fn a_status_of_an_unknown_facility_reads_as_its_number() {
+        assert_eq!(Status(282).to_string(), "282");
+        assert_eq!(Status(99_001).to_string(), "99001");
+    }
+}

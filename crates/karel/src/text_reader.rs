@@ -1,0 +1,376 @@
+//! READ of text: bytes to values, one item at a time.
+//!
+//! A pure function over the bytes that arrived, whether more can follow, where in a line the last
+//! READ stopped, and the item's format. It says what to store and how many bytes are used up, so
+//! the same message gives the same values however the network splits it.
+
+use crate::{
+    host::{Input, InputEnd},
+    status::Status,
+    value::Text,
+};
+
+/// A token longer than this is given up as illegal.
+pub(crate) const MAX_TOKEN: usize = 254;
+
+/// Where in a line the last READ of a file stopped.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum LineState {
+    #[default]
+    Inside,
+    /// Behind a CR: an LF that follows belongs to it.
+    AfterCr,
+    /// The rest of the line is to be dropped.
+    Skipping,
+}
+
+/// What a READ item asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct ItemFormat {
+    pub(crate) kind: ItemKind,
+    /// `::n`.
+    pub(crate) width: Option<usize>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ItemKind {
+    Integer {
+        base: u32,
+    },
+    Real,
+    Boolean,
+    /// A string variable of this length.
+    Text {
+        length: usize,
+    },
+    /// `CR`.
+    LineEnd,
+}
+
+/// What came out. `consumed` bytes are to be dropped in every case.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Reading {
+    pub(crate) consumed: usize,
+    pub(crate) line_state: LineState,
+    pub(crate) result: ReadResult,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum ReadResult {
+    /// More bytes are needed.
+    Incomplete,
+    Value(ReadValue),
+    /// The item and those after it in the statement become uninitialized.
+    Failed(Status),
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum ReadValue {
+    Integer(i32),
+    Real(f32),
+    Boolean(bool),
+    Text(Text),
+    /// Nothing to store.
+    Nothing,
+}
+
+/// Reads one item from `input`.
+pub(crate) fn read_item(input: Input<'_>, line_state: LineState, format: ItemFormat) -> Reading {
+    let mut reader = Reader {
+        bytes: input.bytes,
+        end: input.end,
+        offset: 0,
+        line_state,
+    };
+    let result = if format.width == Some(0) {
+        reader.poll(format.kind)
+    } else {
+        reader.item(format)
+    };
+    Reading {
+        consumed: reader.offset,
+        line_state: reader.line_state,
+        result,
+    }
+}
+
+struct Reader<'a> {
+    bytes: &'a [u8],
+    end: InputEnd,
+    offset: usize,
+    line_state: LineState,
+}
+
+impl<'a> Reader<'a> {
+    fn rest(&self) -> &'a [u8] {
+        self.bytes.get(self.offset..).unwrap_or_default()
+    }
+
+    fn peek(&self) -> Option<u8> {
+        self.rest().first().copied()
+    }
+
+    /// ASSUMPTION: `::0` takes no byte and never waits: an empty string and status 0 while the
+    /// peer is there. Programs use it as a poll.
+    fn poll(&self, kind: ItemKind) -> ReadResult {
+        match (self.end, kind) {
+            (InputEnd::Closed(status), _) if self.rest().is_empty() => ReadResult::Failed(status),
+            (_, ItemKind::Text { .. }) => ReadResult::Value(ReadValue::Text(Text::default())),
+            (_, ItemKind::LineEnd) => ReadResult::Value(ReadValue::Nothing),
+            (_, ItemKind::Integer { .. } | ItemKind::Real | ItemKind::Boolean) => {
+                ReadResult::Failed(Status::INTP_SHORT_DATA)
+            }
+        }
+    }
+
+    fn item(&mut self, format: ItemFormat) -> ReadResult {
+        if !self.settle_line() {
+            return self.wait_or_end();
+        }
+        match (format.kind, format.width) {
+            (ItemKind::LineEnd, _) => self.line_end(),
+            (ItemKind::Text { length }, None) => self.text_line(length),
+            (_, Some(width)) => self.fixed_width(width, format.kind),
+            (_, None) => self.token(format.kind),
+        }
+    }
+
+    /// Finishes what the last READ left to do. `false` if that needs more bytes.
+    fn settle_line(&mut self) -> bool {
+        if self.line_state == LineState::Skipping && !self.drop_line() {
+            return false;
+        }
+        if self.line_state == LineState::AfterCr
+            && let Some(byte) = self.peek()
+        {
+            self.offset += usize::from(byte == b'\n');
+            self.line_state = LineState::Inside;
+        }
+        true
+    }
+
+    /// Drops bytes through the next line end. `false` if it has not arrived.
+    fn drop_line(&mut self) -> bool {
+        self.line_state = LineState::Skipping;
+        while let Some(byte) = self.peek() {
+            self.offset += 1;
+            if self.ends_line(byte) {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Notes a line end that was just consumed.
+    fn ends_line(&mut self, byte: u8) -> bool {
+        match byte {
+            b'\n' => self.line_state = LineState::Inside,
+            b'\r' => self.line_state = LineState::AfterCr,
+            _ => return false,
+        }
+        true
+    }
+
+    fn wait_or_end(&self) -> ReadResult {
+        match self.end {
+            InputEnd::Open => ReadResult::Incomplete,
+            InputEnd::Closed(status) => ReadResult::Failed(status),
+        }
+    }
+
+    /// `CR`: skips to the end of the line.
+    fn line_end(&mut self) -> ReadResult {
+        if self.drop_line() {
+            ReadResult::Value(ReadValue::Nothing)
+        } else {
+            self.wait_or_end()
+        }
+    }
+
+    /// A number or a BOOLEAN without a width: blanks and line ends are skipped, then everything up
+    /// to a blank, comma, CR or LF is taken, and exactly one such delimiter is consumed.
+    ///
+    /// ASSUMPTION: known only from programs that work. They read the last field with width 1, so
+    /// the delimiter of the field before it must be gone; and their clients send no line end, so a
+    /// value must be complete with its delimiter. The end of the stream ends a token as well.
+    fn token(&mut self, kind: ItemKind) -> ReadResult {
+        while let Some(byte) = self.peek()
+            && (is_blank(byte) || matches!(byte, b'\r' | b'\n'))
+        {
+            self.offset += 1;
+            let _ = self.ends_line(byte);
+        }
+        let rest = self.rest();
+        let Some(length) = rest.iter().position(|byte| is_delimiter(*byte)) else {
+            return self.open_token(rest, kind);
+        };
+        let token = rest.get(..length).unwrap_or_default();
+        if token.len() > MAX_TOKEN {
+            return self.illegal();
+        }
+        let Some(value) = parse(token, kind) else {
+            return self.illegal();
+        };
+        let delimiter = rest.get(length).copied().unwrap_or(b' ');
+        self.offset += length + 1;
+        self.line_state = LineState::Inside;
+        let _ = self.ends_line(delimiter);
+        ReadResult::Value(value)
+    }
+
+    /// A token whose delimiter has not arrived.
+    fn open_token(&mut self, token: &[u8], kind: ItemKind) -> ReadResult {
+        if token.is_empty() {
+            return self.wait_or_end();
+        }
+        let hopeless = token.len() > MAX_TOKEN || !can_become(token, kind);
+        match self.end {
+            InputEnd::Open if hopeless => self.illegal(),
+            InputEnd::Open => ReadResult::Incomplete,
+            InputEnd::Closed(_) => match parse(token, kind) {
+                Some(value) if !hopeless => {
+                    self.offset += token.len();
+                    ReadResult::Value(value)
+                }
+                Some(_) | None => self.illegal(),
+            },
+        }
+    }
+
+    /// Illegal data: INTP-333, and the rest of the line is dropped, whether it arrived or not.
+    ///
+    /// ASSUMPTION: that the line is dropped, and not only the token, is the description's word for
+    /// it; no recording of a controller was available.
+    fn illegal(&mut self) -> ReadResult {
+        let _ = self.drop_line();
+        ReadResult::Failed(Status::INTP_ILLEGAL_DATA)
+    }
+
+    /// `::n`: exactly n bytes, whatever they are.
+    fn fixed_width(&mut self, width: usize, kind: ItemKind) -> ReadResult {
+        if width > MAX_TOKEN {
+            return ReadResult::Failed(Status::INTP_ARGUMENT);
+        }
+        let Some(field) = self.rest().get(..width) else {
+            return match self.end {
+                InputEnd::Open => ReadResult::Incomplete,
+                InputEnd::Closed(status) => {
+                    let nothing = self.rest().is_empty();
+                    self.offset = self.bytes.len();
+                    ReadResult::Failed(if nothing {
+                        status
+                    } else {
+                        Status::INTP_SHORT_DATA
+                    })
+                }
+            };
+        };
+        let trimmed = match kind {
+            ItemKind::Text { .. } => field,
+            _ => field.trim_ascii(),
+        };
+        match parse(trimmed, kind) {
+            Some(value) => {
+                self.offset += width;
+                ReadResult::Value(value)
+            }
+            None => self.illegal(),
+        }
+    }
+
+    /// A string without a width: to the end of the line, cut to the variable's length.
+    fn text_line(&mut self, length: usize) -> ReadResult {
+        let rest = self.rest();
+        let line = rest.iter().position(|byte| matches!(byte, b'\r' | b'\n'));
+        let taken = match (line, self.end) {
+            (Some(end), _) => {
+                self.offset += end + 1;
+                let _ = rest.get(end).map(|byte| self.ends_line(*byte));
+                end
+            }
+            // As long as any string can be: the rest of the line does not matter any more.
+            (None, _) if rest.len() >= MAX_TOKEN => {
+                self.offset += rest.len();
+                self.line_state = LineState::Skipping;
+                rest.len()
+            }
+            (None, InputEnd::Open) => return ReadResult::Incomplete,
+            (None, InputEnd::Closed(status)) if rest.is_empty() => {
+                return ReadResult::Failed(status);
+            }
+            (None, InputEnd::Closed(_)) => {
+                self.offset += rest.len();
+                rest.len()
+            }
+        };
+        let text = rest.get(..taken.min(length)).unwrap_or_default();
+        ReadResult::Value(ReadValue::Text(text.into()))
+    }
+}
+
+fn is_blank(byte: u8) -> bool {
+    matches!(byte, b' ' | b'\t')
+}
+
+fn is_delimiter(byte: u8) -> bool {
+    is_blank(byte) || matches!(byte, b',' | b'\r' | b'\n')
+}
+
+fn parse(token: &[u8], kind: ItemKind) -> Option<ReadValue> {
+    match kind {
+        ItemKind::Integer { base } => parse_integer(token, base).map(ReadValue::Integer),
+        ItemKind::Real => parse_real(token).map(ReadValue::Real),
+        ItemKind::Boolean if token.eq_ignore_ascii_case(b"TRUE") => Some(ReadValue::Boolean(true)),
+        ItemKind::Boolean if token.eq_ignore_ascii_case(b"FALSE") => {
+            Some(ReadValue::Boolean(false))
+        }
+        ItemKind::Boolean => None,
+        ItemKind::Text { length } => Some(ReadValue::Text(
+            token.get(..token.len().min(length))?.into(),
+        )),
+        ItemKind::LineEnd => Some(ReadValue::Nothing),
+    }
+}
+
+/// Sign and digits, nothing else; a number beyond 32 bits is illegal.
+pub(crate) fn parse_integer(token: &[u8], base: u32) -> Option<i32> {
+    let text = std::str::from_utf8(token).ok()?;
+    i32::from_str_radix(text, base).ok()
+}
+
+/// Sign, digits, point, exponent. Words that Rust reads as numbers are none, and neither is what
+/// does not fit into 32 bits.
+pub(crate) fn parse_real(token: &[u8]) -> Option<f32> {
+    let text = std::str::from_utf8(token).ok()?;
+    let plain = |c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.' | 'e' | 'E');
+    if !text.chars().all(plain) {
+        return None;
+    }
+    text.parse().ok().filter(|value: &f32| value.is_finite())
+}
+
+/// Whether more bytes can make a legal value of this beginning.
+fn can_become(token: &[u8], kind: ItemKind) -> bool {
+    let digits = |token: &[u8], base: u32| {
+        let unsigned = token
+            .strip_prefix(b"-")
+            .or_else(|| token.strip_prefix(b"+"));
+        let digits = unsigned.unwrap_or(token);
+        digits.iter().all(|byte| char::from(*byte).is_digit(base))
+    };
+    match kind {
+        ItemKind::Integer { base } => digits(token, base),
+        ItemKind::Real => {
+            let completed = [token, b"0"].concat();
+            parse_real(token).is_some()
+                || parse_real(&completed).is_some()
+                || token.ends_with(b"e")
+                || token.ends_with(b"E")
+        }
+        ItemKind::Boolean => [&b"TRUE"[..], b"FALSE"].iter().any(|word| {
+            word.get(..token.len())
+                .is_some_and(|start| start.eq_ignore_ascii_case(token))
+        }),
+        ItemKind::Text { .. } | ItemKind::LineEnd => true,
+    }
+}

@@ -1,0 +1,253 @@
+//! Types, and how values of a type lie in memory.
+//!
+//! Memory is a row of cells. A scalar is one cell; arrays, structures and positions are the cells
+//! of their parts in order, so that every part can be uninitialized on its own and a reference to
+//! any part is one number.
+
+use std::{fmt, sync::Arc};
+
+/// Longest string of a program.
+pub(crate) const MAX_STRING: usize = 254;
+
+/// Most cells of one variable, and of all variables of a program.
+pub(crate) const MAX_CELLS: u32 = 1 << 20;
+
+/// Most levels of arrays and structures in each other.
+pub(crate) const MAX_TYPE_DEPTH: u32 = 32;
+
+/// A type of a variable or an expression.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Type {
+    Integer,
+    Real,
+    Boolean,
+    Text(TextLength),
+    File,
+    Config,
+    Position(PositionKind),
+    Array(Arc<ArrayType>),
+    Structure(Arc<StructureType>),
+    /// A type that was reported already; fits everything.
+    Error,
+}
+
+/// The declared length of a string.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum TextLength {
+    AtMost(u32),
+    /// `STRING` without a length: of parameters, results and expressions.
+    Any,
+}
+
+/// The three cartesian types. VECTOR has three cells of the same kind and is not one of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum PositionKind {
+    Position,
+    Xyzwpr,
+    XyzwprExt,
+}
+
+#[derive(Debug, PartialEq)]
+pub(crate) struct ArrayType {
+    /// Lengths of the dimensions; none for an open array.
+    pub(crate) dims: Vec<u32>,
+    pub(crate) element: Type,
+    /// Levels of arrays and structures, this one included.
+    pub(crate) depth: u32,
+}
+
+#[derive(Debug)]
+pub(crate) struct StructureType {
+    pub(crate) name: String,
+    pub(crate) fields: Vec<Field>,
+    pub(crate) size: u32,
+    /// Levels of arrays and structures, this one included.
+    pub(crate) depth: u32,
+}
+
+/// Structures are the same if they have the same name and layout.
+impl PartialEq for StructureType {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name && self.fields == other.fields
+    }
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Field {
+    pub(crate) name: String,
+    pub(crate) ty: Type,
+    pub(crate) offset: u32,
+}
+
+/// Offset of CONFIG in a position; x, y, z, w, p, r come before it.
+pub(crate) const CONFIG_OFFSET: u32 = 6;
+
+const COMPONENTS: [&str; 6] = ["X", "Y", "Z", "W", "P", "R"];
+const EXTENDED: [&str; 3] = ["EXT1", "EXT2", "EXT3"];
+
+impl PositionKind {
+    /// Cells of a value: six components, the configuration, and extended axes if any.
+    pub(crate) fn size(self) -> u32 {
+        match self {
+            PositionKind::Position | PositionKind::Xyzwpr => CONFIG_OFFSET + 1,
+            PositionKind::XyzwprExt => CONFIG_OFFSET + 4,
+        }
+    }
+
+    fn field(self, name: &str) -> Option<(u32, Type)> {
+        let index = |names: &[&str]| names.iter().position(|known| *known == name);
+        if let Some(index) = index(&COMPONENTS) {
+            return Some((u32::try_from(index).ok()?, Type::Real));
+        }
+        if name == "CONFIG_DATA" {
+            return Some((CONFIG_OFFSET, Type::Config));
+        }
+        if self != PositionKind::XyzwprExt {
+            return None;
+        }
+        let extended = u32::try_from(index(&EXTENDED)?).ok()?;
+        Some((CONFIG_OFFSET + 1 + extended, Type::Real))
+    }
+}
+
+impl Type {
+    pub(crate) const TEXT: Type = Type::Text(TextLength::Any);
+
+    /// Cells of a value; an open array or a string without length counts as one reference.
+    pub(crate) fn size(&self) -> u32 {
+        match self {
+            Type::Integer
+            | Type::Real
+            | Type::Boolean
+            | Type::Text(_)
+            | Type::File
+            | Type::Config
+            | Type::Error => 1,
+            Type::Position(kind) => kind.size(),
+            Type::Array(array) => array
+                .dims
+                .iter()
+                .fold(array.element.size(), |size, dim| size.saturating_mul(*dim)),
+            Type::Structure(structure) => structure.size,
+        }
+    }
+
+    /// Levels of arrays and structures; limited, because types are walked recursively.
+    pub(crate) fn depth(&self) -> u32 {
+        match self {
+            Type::Array(array) => array.depth,
+            Type::Structure(structure) => structure.depth,
+            Type::Integer
+            | Type::Real
+            | Type::Boolean
+            | Type::Text(_)
+            | Type::File
+            | Type::Config
+            | Type::Position(_)
+            | Type::Error => 0,
+        }
+    }
+
+    /// Whether a value is one cell and travels on the operand stack.
+    pub(crate) fn is_scalar(&self) -> bool {
+        !matches!(
+            self,
+            Type::Position(_) | Type::Array(_) | Type::Structure(_)
+        )
+    }
+
+    pub(crate) fn is_number(&self) -> bool {
+        matches!(self, Type::Integer | Type::Real | Type::Error)
+    }
+
+    pub(crate) fn is_text(&self) -> bool {
+        matches!(self, Type::Text(_) | Type::Error)
+    }
+
+    /// Offset and type of a field.
+    pub(crate) fn field(&self, name: &str) -> Option<(u32, Type)> {
+        match self {
+            Type::Position(kind) => kind.field(name),
+            Type::Structure(structure) => {
+                let field = structure.fields.iter().find(|field| field.name == name)?;
+                Some((field.offset, field.ty.clone()))
+            }
+            Type::Integer
+            | Type::Real
+            | Type::Boolean
+            | Type::Text(_)
+            | Type::File
+            | Type::Config
+            | Type::Array(_)
+            | Type::Error => None,
+        }
+    }
+
+    /// Whether a FILE is in it: those cannot be copied.
+    pub(crate) fn holds_file(&self) -> bool {
+        match self {
+            Type::File => true,
+            Type::Array(array) => array.element.holds_file(),
+            Type::Structure(structure) => {
+                structure.fields.iter().any(|field| field.ty.holds_file())
+            }
+            Type::Integer
+            | Type::Real
+            | Type::Boolean
+            | Type::Text(_)
+            | Type::Config
+            | Type::Position(_)
+            | Type::Error => false,
+        }
+    }
+}
+
+impl fmt::Display for Type {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Type::Integer => f.write_str("INTEGER"),
+            Type::Real => f.write_str("REAL"),
+            Type::Boolean => f.write_str("BOOLEAN"),
+            Type::Text(TextLength::AtMost(length)) => write!(f, "STRING[{length}]"),
+            Type::Text(TextLength::Any) => f.write_str("STRING"),
+            Type::File => f.write_str("FILE"),
+            Type::Config => f.write_str("CONFIG"),
+            Type::Position(PositionKind::Position) => f.write_str("POSITION"),
+            Type::Position(PositionKind::Xyzwpr) => f.write_str("XYZWPR"),
+            Type::Position(PositionKind::XyzwprExt) => f.write_str("XYZWPREXT"),
+            Type::Array(array) if array.dims.is_empty() => write!(f, "ARRAY OF {}", array.element),
+            Type::Array(array) => {
+                let dims: Vec<String> = array.dims.iter().map(u32::to_string).collect();
+                write!(f, "ARRAY[{}] OF {}", dims.join(","), array.element)
+            }
+            Type::Structure(structure) => f.write_str(&structure.name),
+            Type::Error => f.write_str("unknown"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn positions_lie_as_components_then_configuration_then_extended_axes() {
+        let extended = Type::Position(PositionKind::XyzwprExt);
+        assert_eq!(extended.size(), 10);
+        assert_eq!(extended.field("R"), Some((5, Type::Real)));
+        assert_eq!(extended.field("EXT3"), Some((9, Type::Real)));
+        assert_eq!(Type::Position(PositionKind::Xyzwpr).field("EXT1"), None);
+    }
+
+    #[test]
+    fn the_size_of_an_array_is_the_product_of_its_dimensions() {
+        let dims = vec![2, 3];
+        let array = Type::Array(Arc::new(ArrayType {
+            dims,
+            element: Type::TEXT,
+            depth: 1,
+        }));
+        assert_eq!(array.size(), 6);
+        assert_eq!(array.to_string(), "ARRAY[2,3] OF STRING");
+    }
+}

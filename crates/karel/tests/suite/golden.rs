@@ -1,0 +1,104 @@
+//! Cases in `tests/cases`: a program `.kl` and what becomes of it, `.out`.
+//!
+//! A program that has errors gives its diagnostics; one whose first line is `-- golden: tree`
+//! gives its tree; any other is run, and gives its warnings and its trace. Lines that start with
+//! `-->` are the script: `connect`, `send TEXT` (`\n`, `\r` as such), `close`, `fail-connect N`,
+//! `fail-motion N`. Every case gives the same with CRLF line ends. `UPDATE_GOLDEN=1` rewrites.
+
+use std::{fmt::Write as _, fs, path::Path};
+
+use karel::{Limits, Machine, Program};
+
+use crate::host::{Event, ScriptedHost, run};
+
+#[test]
+fn golden_cases_give_what_they_gave() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cases");
+    let mut cases: Vec<_> = fs::read_dir(&folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect();
+    cases.retain(|path| path.extension().is_some_and(|extension| extension == "kl"));
+    cases.sort();
+    assert!(cases.len() >= 10, "the cases are missing");
+    let update = std::env::var_os("UPDATE_GOLDEN").is_some();
+    let mut differences = String::new();
+    for path in cases {
+        let source = fs::read(&path).unwrap();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        let found = outcome(&source, &name);
+        assert_eq!(
+            outcome(&with_crlf(&source), &name),
+            found,
+            "{name} with CRLF line ends"
+        );
+        let golden = path.with_extension("out");
+        if update {
+            fs::write(&golden, &found).unwrap();
+            continue;
+        }
+        let expected = fs::read_to_string(&golden).unwrap_or_default();
+        if expected != found {
+            let _ = writeln!(
+                differences,
+                "== {name}\n-- expected\n{expected}-- found\n{found}"
+            );
+        }
+    }
+    assert!(differences.is_empty(), "{differences}");
+}
+
+fn with_crlf(source: &[u8]) -> Vec<u8> {
+    let mut converted = Vec::new();
+    for byte in source {
+        if *byte == b'\n' {
+            converted.push(b'\r');
+        }
+        converted.push(*byte);
+    }
+    converted
+}
+
+fn outcome(source: &[u8], name: &str) -> String {
+    if source.starts_with(b"-- golden: tree") {
+        return match karel::syntax_tree(source, name) {
+            Ok(tree) => tree,
+            Err(diagnostics) => karel::render(&diagnostics) + "\n",
+        };
+    }
+    let program = match Program::parse_and_check(source, name) {
+        Ok(program) => program,
+        Err(diagnostics) => return karel::render(&diagnostics) + "\n",
+    };
+    let mut out = String::new();
+    if !program.warnings().is_empty() {
+        out = karel::render(program.warnings()) + "\n\n";
+    }
+    let mut machine = Machine::new(Limits::default());
+    let program_name = program.name().to_owned();
+    machine.load(program).unwrap();
+    let task = machine.start(&program_name).unwrap();
+    let mut host = ScriptedHost::new(script(source));
+    run(&mut machine, task, &mut host);
+    out + &host.trace
+}
+
+fn script(source: &[u8]) -> Vec<Event> {
+    let text = String::from_utf8_lossy(source).replace('\r', "");
+    text.lines()
+        .filter_map(|line| line.strip_prefix("--> "))
+        .map(event)
+        .collect()
+}
+
+fn event(line: &str) -> Event {
+    let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
+    match word {
+        "connect" => Event::Connect,
+        "close" => Event::Close,
+        "send" => Event::Send(rest.replace("\\n", "\n").replace("\\r", "\r").into_bytes()),
+        "fail-connect" => Event::FailConnect(rest.parse().unwrap()),
+        "fail-motion" => Event::FailMotion(rest.parse().unwrap()),
+        _ => panic!("unknown script line {line:?}"),
+    }
+}

@@ -1,0 +1,333 @@
+//! A host for tests: a script says what the world does, a trace says what the program did.
+
+use std::{
+    collections::{BTreeMap, VecDeque},
+    fmt::Write as _,
+    time::Duration,
+};
+
+use karel::{
+    FileId, Host, Input, InputEnd, Limits, Machine, MotionId, MotionRequest, MoveEnd, OpenMode,
+    Position, Program, Progress, Run, RuntimeError, Status, SysPath, SysValue, TaskId, Text, Value,
+    Wait, XyzwprExt,
+};
+
+/// What the world does, in this order; each is done when the program waits for it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Event {
+    /// A client connects.
+    Connect,
+    /// It sends these bytes in one piece.
+    Send(Vec<u8>),
+    /// It closes its side.
+    Close,
+    /// A MSG_CONNECT that fails with this status.
+    FailConnect(i32),
+    /// The motion queue refuses with this status.
+    FailMotion(i32),
+}
+
+#[derive(Debug)]
+pub(crate) struct ScriptedHost {
+    pub(crate) script: VecDeque<Event>,
+    pub(crate) trace: String,
+    /// Bytes written since the last connect, per connection.
+    pub(crate) replies: Vec<Vec<u8>>,
+    /// Number of `output` calls.
+    pub(crate) segments: usize,
+    pub(crate) moves: Vec<MotionRequest>,
+    pub(crate) variables: BTreeMap<String, Value>,
+    pub(crate) alarms: Vec<RuntimeError>,
+    now: Duration,
+    connected: bool,
+    refusal: Option<Status>,
+    received: Vec<u8>,
+    closed: bool,
+    moving: Option<MotionId>,
+    next_file: u32,
+}
+
+impl ScriptedHost {
+    pub(crate) fn new(script: Vec<Event>) -> ScriptedHost {
+        let zero = Value::Position(Position::default());
+        let variables = [("$UTOOL", zero.clone()), ("$UFRAME", zero)];
+        ScriptedHost {
+            script: script.into(),
+            trace: String::new(),
+            replies: Vec::new(),
+            segments: 0,
+            moves: Vec::new(),
+            variables: variables
+                .map(|(name, value)| (name.to_owned(), value))
+                .into(),
+            alarms: Vec::new(),
+            now: Duration::ZERO,
+            connected: false,
+            refusal: None,
+            received: Vec::new(),
+            closed: false,
+            moving: None,
+            next_file: 1,
+        }
+    }
+
+    fn note(&mut self, line: &str) {
+        self.trace.push_str(line);
+        self.trace.push('\n');
+    }
+
+    /// Does what the program waits for. `false` if the script has nothing for it.
+    pub(crate) fn satisfy(&mut self, wait: &Wait) -> bool {
+        match wait {
+            Wait::Until(until) => self.now = (*until).max(self.now),
+            Wait::Motion(_) => self.moving = None,
+            Wait::MotionQueue | Wait::Writable(_) => return false,
+            Wait::Connect(_) => match self.script.pop_front() {
+                Some(Event::Connect) => {
+                    self.connected = true;
+                    self.closed = false;
+                    self.received.clear();
+                    self.replies.push(Vec::new());
+                }
+                Some(Event::FailConnect(status)) => self.refusal = Some(Status(status)),
+                other => return self.unfit(other),
+            },
+            Wait::Readable(_) => match self.script.pop_front() {
+                Some(Event::Send(bytes)) => self.received.extend(bytes),
+                Some(Event::Close) => self.closed = true,
+                other => return self.unfit(other),
+            },
+        }
+        true
+    }
+
+    fn unfit(&mut self, event: Option<Event>) -> bool {
+        if let Some(event) = event {
+            self.script.push_front(event);
+        }
+        false
+    }
+}
+
+fn quoted(bytes: &[u8]) -> String {
+    format!("{:?}", Text::from(bytes).to_string())
+}
+
+fn shown(value: &Value) -> String {
+    match value {
+        Value::Integer(value) => value.to_string(),
+        Value::Real(value) => format!("{value:?}"),
+        Value::Boolean(value) => value.to_string(),
+        Value::String(text) => format!("{text:?}"),
+        Value::Config(config) => config.to_string(),
+        Value::Xyzwpr(_) | Value::XyzwprExt(_) | Value::Position(_) => {
+            let p = value.as_xyzwprext().unwrap();
+            format!(
+                "({} {} {} {} {} {} '{}')",
+                p.x, p.y, p.z, p.w, p.p, p.r, p.config
+            )
+        }
+    }
+}
+
+impl Host for ScriptedHost {
+    fn now(&self) -> Duration {
+        self.now
+    }
+
+    fn msg_connect(&mut self, _task: TaskId, tag: &str) -> Progress<Status> {
+        if let Some(status) = self.refusal.take() {
+            self.note(&format!("connect {tag} failed {status}"));
+            return Progress::Ready(status);
+        }
+        if !self.connected {
+            return Progress::Pending(Wait::Connect(tag.to_owned()));
+        }
+        self.note(&format!("connect {tag}"));
+        Progress::Ready(Status::OK)
+    }
+
+    fn msg_disco(&mut self, _task: TaskId, tag: &str) -> Status {
+        self.note(&format!("disconnect {tag}"));
+        self.connected = false;
+        Status::OK
+    }
+
+    fn open_file(&mut self, _: TaskId, mode: OpenMode, name: &str) -> Result<FileId, Status> {
+        self.note(&format!("open {name} {mode:?}"));
+        if !self.connected {
+            return Err(Status::INTP_OPEN_FAILED);
+        }
+        self.next_file += 1;
+        Ok(FileId(self.next_file - 1))
+    }
+
+    fn close_file(&mut self, file: FileId) -> Status {
+        self.note(&format!("close {}", file.0));
+        Status::OK
+    }
+
+    fn cancel_file(&mut self, file: FileId) -> Status {
+        self.note(&format!("cancel {}", file.0));
+        Status::OK
+    }
+
+    fn input(&self, _: FileId) -> Input<'_> {
+        let end = if self.closed {
+            InputEnd::Closed(Status::HOST_PEER_CLOSED)
+        } else {
+            InputEnd::Open
+        };
+        Input {
+            bytes: &self.received,
+            end,
+        }
+    }
+
+    fn consume(&mut self, _: FileId, count: usize) {
+        drop(self.received.drain(..count));
+    }
+
+    fn output(&mut self, file: FileId, bytes: &[u8]) -> Progress<Status> {
+        self.note(&format!("write {} {}", file.0, quoted(bytes)));
+        self.segments += 1;
+        if let Some(reply) = self.replies.last_mut() {
+            reply.extend_from_slice(bytes);
+        }
+        Progress::Ready(Status::OK)
+    }
+
+    fn display(&mut self, _: TaskId, text: &[u8]) {
+        self.note(&format!("display {}", quoted(text)));
+    }
+
+    fn system_variable(&self, _: TaskId, path: &SysPath) -> Result<Value, Status> {
+        self.variables
+            .get(&path.to_string())
+            .cloned()
+            .ok_or(Status::INTP_UNINIT)
+    }
+
+    fn set_system_variable(
+        &mut self,
+        _: TaskId,
+        path: &SysPath,
+        value: SysValue,
+    ) -> Result<(), Status> {
+        if path.root() == "$NO_SUCH" {
+            return Err(Status::VARS_UNKNOWN);
+        }
+        match value {
+            SysValue::Value(value) => {
+                self.note(&format!("set {path} = {}", shown(&value)));
+                let _ = self.variables.insert(path.to_string(), value);
+            }
+            SysValue::Uninit => {
+                self.note(&format!("set {path} uninit"));
+                let _ = self.variables.remove(&path.to_string());
+            }
+        }
+        Ok(())
+    }
+
+    fn current_position(&mut self, _: TaskId, _: i32) -> Result<XyzwprExt, Status> {
+        Ok(XyzwprExt {
+            x: 985.0,
+            z: 940.0,
+            w: -180.0,
+            ..XyzwprExt::default()
+        })
+    }
+
+    /// Everything within two meters is reachable.
+    fn check_position(
+        &mut self,
+        _: TaskId,
+        position: &XyzwprExt,
+        _: &Position,
+        _: &Position,
+        _: i32,
+    ) -> Status {
+        let distance = position.x.hypot(position.y).hypot(position.z);
+        if distance <= 2000.0 {
+            Status::OK
+        } else {
+            Status::MOTN_UNREACHABLE
+        }
+    }
+
+    fn start_motion(
+        &mut self,
+        _: TaskId,
+        motion: MotionRequest,
+    ) -> Progress<Result<MotionId, Status>> {
+        if let Some(Event::FailMotion(status)) = self.script.front() {
+            let status = Status(*status);
+            let _ = self.script.pop_front();
+            return Progress::Ready(Err(status));
+        }
+        let word = match motion.end {
+            MoveEnd::Wait => "wait",
+            MoveEnd::NoWait => "nowait",
+        };
+        let place = shown(&Value::XyzwprExt(motion.target));
+        self.note(&format!("move {place} {word} line {}", motion.line));
+        self.moves.push(motion);
+        let id = MotionId(self.moves.len() as u64);
+        self.moving = Some(id);
+        Progress::Ready(Ok(id))
+    }
+
+    fn motion_ended(&mut self, motion: MotionId) -> Progress<Status> {
+        if self.moving == Some(motion) {
+            return Progress::Pending(Wait::Motion(motion));
+        }
+        self.note("motion ended");
+        Progress::Ready(Status::OK)
+    }
+
+    fn post_alarm(&mut self, _: TaskId, alarm: &RuntimeError) {
+        self.alarms.push(alarm.clone());
+    }
+}
+
+/// Loads a program, or panics with its diagnostics.
+pub(crate) fn machine_with(source: &[u8], file: &str) -> (Machine, TaskId) {
+    let program = Program::parse_and_check(source, file)
+        .unwrap_or_else(|diagnostics| panic!("{}", karel::render(&diagnostics)));
+    let name = program.name().to_owned();
+    let mut machine = Machine::new(Limits::default());
+    machine.load(program).unwrap();
+    let task = machine.start(&name).unwrap();
+    (machine, task)
+}
+
+/// Runs a task until it ends or waits for what the script does not have; notes the end.
+pub(crate) fn run(machine: &mut Machine, task: TaskId, host: &mut ScriptedHost) {
+    for _ in 0..10_000 {
+        match machine.run(task, 1_000, host).run {
+            Run::OutOfFuel => {}
+            Run::Blocked(wait) => {
+                if !host.satisfy(&wait) {
+                    host.note(&format!("waits for {wait:?}"));
+                    return;
+                }
+            }
+            Run::Ended => return host.note("end"),
+            Run::Aborted(error) => {
+                host.note(&format!("aborted: {error}"));
+                for call in &error.calls {
+                    let mut line = String::new();
+                    let _ = write!(
+                        line,
+                        "  {} {} line {}",
+                        call.program, call.routine, call.line
+                    );
+                    host.note(&line);
+                }
+                return;
+            }
+        }
+    }
+    host.note("out of patience");
+}

@@ -1,0 +1,204 @@
+//! `karel-emulator run`: a controller until it is interrupted.
+
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::{Context, anyhow, bail};
+use clap::ValueEnum;
+use karel_emulator::config::{ControllerConfig, Exposure, ProgramSource, SecondClient};
+use karel_emulator::{Clock, PeerLabels, VirtualController};
+use kinematics::{ArmModel, PendantJoints};
+use tokio::signal::unix::{SignalKind, signal};
+
+/// Run KAREL programs on a virtual controller.
+///
+/// It runs until it is interrupted, even when its programs have ended, so that its state can be looked at.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Run {
+    /// KAREL source files to load.
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Program to start as a task; can be given several times. The first that is loaded if none is given.
+    #[arg(long = "program", value_name = "NAME")]
+    programs: Vec<String>,
+    /// Open the program's port PORT as HOST of this machine, 0 for any free port; can be given several times.
+    #[arg(long = "port-map", value_name = "PORT=HOST", value_parser = parse_port_map)]
+    port_map: Vec<(u16, u16)>,
+    /// Address of the panel, always loopback, or `off`.
+    #[arg(long, default_value = "127.0.0.1:8081", value_name = "ADDRESS|off")]
+    panel: String,
+    /// Controller seconds in a second, up to 1000.
+    #[arg(long, default_value_t = 1.0, value_name = "N")]
+    time_scale: f64,
+    /// The arm.
+    #[arg(long, default_value = "fanuc-m20ia")]
+    model: String,
+    /// Joints at power-on in degrees, as the pendant shows them: j1,j2,j3,j4,j5,j6. The home of the arm if not given.
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    home: Option<String>,
+    /// Address that the program's ports are opened on.
+    #[arg(long, default_value_t = IpAddr::V4(Ipv4Addr::LOCALHOST))]
+    ip: IpAddr,
+    /// Permit an --ip that other machines can reach. Anybody who connects can move the simulated arm.
+    #[arg(long)]
+    expose_to_network: bool,
+    /// What happens to a second client while the first is served.
+    #[arg(long, value_enum, default_value_t = Second::Backlog)]
+    second_client: Second,
+    /// What to log on standard error, such as `info` or `karel_emulator=debug`.
+    #[arg(
+        long,
+        default_value = "info",
+        env = "KAREL_EMULATOR_LOG",
+        value_name = "FILTER"
+    )]
+    log: String,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Second {
+    /// It waits for its turn.
+    Backlog,
+    /// It is refused.
+    Refuse,
+}
+
+impl Run {
+    pub(crate) fn run(&self) -> anyhow::Result<ExitCode> {
+        let filter = tracing_subscriber::EnvFilter::try_new(&self.log)
+            .with_context(|| format!("reading the log filter {:?}", self.log))?;
+        tracing_subscriber::fmt()
+            .with_env_filter(filter)
+            .with_writer(std::io::stderr)
+            .init();
+        let config = self.config()?;
+        let clock = Clock::scaled(self.time_scale).ok_or_else(|| {
+            anyhow!(
+                "the time scale is {}, it must be above 0 and at most 1000",
+                self.time_scale
+            )
+        })?;
+        let runtime = tokio::runtime::Runtime::new().context("starting the runtime")?;
+        runtime.block_on(serve(&config, clock))?;
+        Ok(ExitCode::SUCCESS)
+    }
+
+    fn config(&self) -> anyhow::Result<ControllerConfig> {
+        let model = ArmModel::builtin(&self.model).ok_or_else(|| {
+            anyhow!(
+                "there is no arm {:?}; there are: {}",
+                self.model,
+                ArmModel::builtin_names().join(", ")
+            )
+        })?;
+        let mut config = ControllerConfig::new("emulator", model);
+        for path in &self.files {
+            let text =
+                std::fs::read(path).with_context(|| format!("reading {}", path.display()))?;
+            config
+                .programs
+                .push(ProgramSource::new(path.display().to_string(), text));
+        }
+        config.run.clone_from(&self.programs);
+        config.port_map = self.port_map.iter().copied().collect();
+        if let Some(home) = &self.home {
+            config.start_joints = parse_joints(home)?;
+        }
+        config.ip = self.ip;
+        if self.expose_to_network {
+            config.exposure = Exposure::AnyAddress;
+        }
+        config.second_client = match self.second_client {
+            Second::Backlog => SecondClient::Backlog,
+            Second::Refuse => SecondClient::Refuse,
+        };
+        config.panel = parse_panel(&self.panel)?;
+        Ok(config)
+    }
+}
+
+async fn serve(config: &ControllerConfig, clock: Clock) -> anyhow::Result<()> {
+    let mut interrupt = signal(SignalKind::interrupt()).context("listening for interrupts")?;
+    let mut terminate = signal(SignalKind::terminate()).context("listening for termination")?;
+    let controller = VirtualController::start(config, clock, PeerLabels::new())
+        .context("the controller does not start")?;
+    if let Some(address) = controller.panel_address() {
+        tracing::info!("The panel is at http://{address}/.");
+    }
+    tokio::select! {
+        _ = interrupt.recv() => {}
+        _ = terminate.recv() => {}
+    }
+    controller.shutdown().await;
+    Ok(())
+}
+
+fn parse_port_map(text: &str) -> Result<(u16, u16), String> {
+    let (program, host) = text
+        .split_once('=')
+        .ok_or_else(|| format!("{text:?} is not PORT=HOST, such as 59002=0"))?;
+    let number = |part: &str| {
+        part.trim()
+            .parse::<u16>()
+            .map_err(|_| format!("{part:?} is not a port, 0 to 65535"))
+    };
+    match (number(program)?, number(host)?) {
+        (0, _) => Err("a program cannot listen on port 0".to_owned()),
+        pair => Ok(pair),
+    }
+}
+
+fn parse_panel(text: &str) -> anyhow::Result<Option<SocketAddr>> {
+    if text.eq_ignore_ascii_case("off") {
+        return Ok(None);
+    }
+    let address = text
+        .parse()
+        .with_context(|| format!("reading the panel's address {text:?}, such as 127.0.0.1:8081"))?;
+    Ok(Some(address))
+}
+
+fn parse_joints(text: &str) -> anyhow::Result<PendantJoints> {
+    let values: Vec<f64> = text
+        .split(',')
+        .map(|part| {
+            part.trim()
+                .parse()
+                .with_context(|| format!("{part:?} is not an angle"))
+        })
+        .collect::<Result<_, _>>()?;
+    let Ok(joints) = <[f64; 6]>::try_from(values) else {
+        bail!("{text:?} are not six joints in degrees, separated by commas");
+    };
+    PendantJoints::try_from_degrees(joints).context("reading the home joints")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn port_maps_are_two_ports() {
+        assert_eq!(parse_port_map("59002=0"), Ok((59002, 0)));
+        assert_eq!(parse_port_map("1=2"), Ok((1, 2)));
+        for wrong in ["59002", "0=1", "a=1", "1=b", "70000=1", "="] {
+            assert!(parse_port_map(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn joints_are_six_finite_angles() {
+        assert!(parse_joints("0,0,0,0,-90,0").is_ok());
+        for wrong in ["0,0", "0,0,0,0,0,x", "0,0,0,0,0,nan", ""] {
+            assert!(parse_joints(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_panel_is_an_address_or_off() {
+        assert_eq!(parse_panel("OFF").unwrap(), None);
+        assert!(parse_panel("127.0.0.1:0").unwrap().is_some());
+        assert!(parse_panel("nowhere").is_err());
+    }
+}

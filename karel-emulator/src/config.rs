@@ -1,0 +1,141 @@
+//! What a virtual controller is made of.
+
+use std::collections::BTreeMap;
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+
+use kinematics::{ArmModel, PendantJoints};
+
+/// A KAREL program's source text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ProgramSource {
+    /// File name for messages, such as `sock_server.kl`.
+    pub name: String,
+    /// The source, Latin-1 bytes.
+    pub text: Vec<u8>,
+}
+
+impl ProgramSource {
+    /// A program from its file name and source.
+    pub fn new(name: impl Into<String>, text: impl Into<Vec<u8>>) -> Self {
+        Self {
+            name: name.into(),
+            text: text.into(),
+        }
+    }
+}
+
+/// What happens to a second client while the first is served.
+///
+/// ASSUMPTION: real controllers are reported to do either, depending on the system version.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SecondClient {
+    /// The port stays open while the task lives; the second client waits in the kernel's backlog for its turn.
+    #[default]
+    Backlog,
+    /// The port is open only while the program waits for a client; the second client is refused.
+    Refuse,
+}
+
+/// Whether the controller may be reached from other machines.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Exposure {
+    /// Loopback addresses only.
+    #[default]
+    Loopback,
+    /// Any address: this is an unauthenticated motion server, and the log says so.
+    AnyAddress,
+}
+
+/// Bounds of one controller.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Source bytes of one program.
+    pub program_bytes: usize,
+    /// Loaded programs.
+    pub programs: usize,
+    /// Entries of the ledger; older ones are dropped and counted.
+    pub ledger_entries: usize,
+    /// Alarms of the history; older ones are dropped and counted.
+    pub alarms: usize,
+    /// Instructions that one task executes in one millisecond of controller time.
+    ///
+    /// ASSUMPTION: this is the speed of the virtual processor; an endless loop costs this much and not more.
+    pub instructions_per_ms: u32,
+    /// Connections that are closed by the program and wait for their peer to read the last bytes.
+    pub lingering_connections: usize,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            program_bytes: 1 << 20,
+            programs: 16,
+            ledger_entries: 10_000,
+            alarms: 1_000,
+            instructions_per_ms: 2_000,
+            lingering_connections: 64,
+        }
+    }
+}
+
+/// Everything a virtual controller needs to start.
+#[derive(Clone, Debug)]
+pub struct ControllerConfig {
+    /// The controller's name in logs and state, such as `cell-1`.
+    pub name: String,
+    /// The arm.
+    pub model: ArmModel,
+    /// Where the arm stands at power-on.
+    pub start_joints: PendantJoints,
+    /// Programs to load.
+    pub programs: Vec<ProgramSource>,
+    /// Names of the programs to run as tasks. Empty: the first program that is loaded.
+    pub run: Vec<String>,
+    /// From a port as the program names it to a port of this machine; 0 stands for any free port, which is then kept.
+    /// A port that is not in the map is used as it is.
+    pub port_map: BTreeMap<u16, u16>,
+    /// What happens to a second client.
+    pub second_client: SecondClient,
+    /// Address that the program's ports are opened on.
+    pub ip: IpAddr,
+    /// Whether `ip` may be anything but loopback.
+    pub exposure: Exposure,
+    /// Address of the panel, always loopback; `None` for no panel.
+    pub panel: Option<SocketAddr>,
+    /// Bounds.
+    pub limits: Limits,
+}
+
+impl ControllerConfig {
+    /// A controller of `model` at its home, with nothing loaded, on loopback, without a panel.
+    #[must_use]
+    pub fn new(name: impl Into<String>, model: &ArmModel) -> Self {
+        Self {
+            name: name.into(),
+            model: model.clone(),
+            start_joints: model.home(),
+            programs: Vec::new(),
+            run: Vec::new(),
+            port_map: BTreeMap::new(),
+            second_client: SecondClient::default(),
+            ip: IpAddr::V4(Ipv4Addr::LOCALHOST),
+            exposure: Exposure::default(),
+            panel: None,
+            limits: Limits::default(),
+        }
+    }
+
+    /// Loads one more program.
+    #[must_use]
+    pub fn with_program(mut self, program: ProgramSource) -> Self {
+        self.programs.push(program);
+        self
+    }
+
+    /// Maps a port of the program to a port of this machine, 0 for any free one.
+    #[must_use]
+    pub fn with_port(mut self, program_port: u16, host_port: u16) -> Self {
+        let _previous = self.port_map.insert(program_port, host_port);
+        self
+    }
+}

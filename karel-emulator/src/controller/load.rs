@@ -1,0 +1,50 @@
+//! Programs from source to machine.
+
+use karel::{Machine, Program};
+
+use crate::config::{Limits, ProgramSource};
+use crate::error::StartError;
+
+/// Loads every program; their names in the order given.
+pub(super) fn load(
+    machine: &mut Machine,
+    programs: &[ProgramSource],
+    limits: Limits,
+) -> Result<Vec<String>, StartError> {
+    if programs.is_empty() {
+        return Err(StartError::NoProgram);
+    }
+    if programs.len() > limits.programs {
+        return Err(StartError::TooManyPrograms {
+            count: programs.len(),
+            limit: limits.programs,
+        });
+    }
+    let mut names = Vec::new();
+    for ProgramSource { name: file, text } in programs {
+        if text.len() > limits.program_bytes {
+            return Err(StartError::ProgramTooLong {
+                file: file.clone(),
+                bytes: text.len(),
+                limit: limits.program_bytes,
+            });
+        }
+        let program = Program::parse_and_check(text, file).map_err(|diagnostics| {
+            let rendered: Vec<String> = diagnostics.iter().map(ToString::to_string).collect();
+            StartError::Program {
+                file: file.clone(),
+                errors: diagnostics.len(),
+                rendered: rendered.join("\n"),
+            }
+        })?;
+        for warning in program.warnings() {
+            tracing::warn!("{warning}");
+        }
+        names.push(program.name().to_owned());
+        machine.load(program).map_err(|error| StartError::Load {
+            file: file.clone(),
+            reason: error.to_string(),
+        })?;
+    }
+    Ok(names)
+}

@@ -1,0 +1,294 @@
+//! The deterministic core of a virtual controller.
+//!
+//! Events go in, effects come out, time is told. The same programs, events and times give the same ledger, byte for
+//! byte: nothing here reads a clock, waits, or iterates in the order of a hash.
+//!
+//! Tasks run in turn. Each may execute a number of instructions in a millisecond of controller time
+//! ([`crate::config::Limits::instructions_per_ms`]); an endless loop spends its share and rests.
+
+mod load;
+mod snapshot;
+
+use std::time::Duration;
+
+use karel::{Machine, Run, TaskId, Wait};
+
+use crate::alarms::{Alarm, Severity};
+use crate::config::{ControllerConfig, Limits};
+use crate::effects::{ConnectionId, Effect, Event};
+use crate::error::StartError;
+use crate::hardware::Hardware;
+use crate::ledger::LedgerEntry;
+
+/// The period in which a task may spend its instructions.
+const SHARE_PERIOD: Duration = Duration::from_millis(1);
+
+/// Whether the core has more to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Advance {
+    /// Something happened; there may be effects, and more may happen before the time that was asked for.
+    Worked,
+    /// It is the time that was asked for, and every task waits.
+    Reached,
+}
+
+/// One controller: the KAREL machine, its tasks, and the hardware around it.
+#[derive(Debug)]
+pub struct Controller {
+    machine: Machine,
+    hardware: Hardware,
+    tasks: Vec<Task>,
+    limits: Limits,
+}
+
+#[derive(Debug)]
+struct Task {
+    id: TaskId,
+    phase: Phase,
+    /// Instructions left in the present period.
+    share: u32,
+    /// When the present period began.
+    period: Duration,
+}
+
+#[derive(Debug)]
+enum Phase {
+    Ready,
+    Waiting(Wait),
+    /// The share is spent.
+    Resting,
+    Over,
+}
+
+impl Controller {
+    /// Loads the programs, puts the arm at its start, and makes the tasks ready at time zero.
+    ///
+    /// # Errors
+    /// A program that is missing, too long, or not correct; start joints outside of the limits.
+    pub fn try_new(config: &ControllerConfig) -> Result<Self, StartError> {
+        config
+            .model
+            .check_limits(&config.start_joints)
+            .map_err(|violations| StartError::StartJoints {
+                model: config.model.name().to_owned(),
+                violations,
+            })?;
+        let limits = config.limits;
+        let mut machine = Machine::new(karel::Limits::default());
+        let names = load::load(&mut machine, &config.programs, limits)?;
+        let run = if config.run.is_empty() {
+            names.into_iter().take(1).collect()
+        } else {
+            config.run.clone()
+        };
+        let mut tasks = Vec::new();
+        for name in run {
+            let id = machine.start(&name).map_err(|error| StartError::Task {
+                name: name.clone(),
+                reason: error.to_string(),
+            })?;
+            tasks.push(Task {
+                id,
+                phase: Phase::Ready,
+                share: 0,
+                period: Duration::ZERO,
+            });
+        }
+        for task in &mut tasks {
+            task.share = limits.instructions_per_ms;
+        }
+        Ok(Self {
+            machine,
+            hardware: Hardware::new(config),
+            tasks,
+            limits,
+        })
+    }
+
+    /// Controller time since power-on.
+    #[must_use]
+    pub fn now(&self) -> Duration {
+        self.hardware.now
+    }
+
+    /// Something happened on a socket, now.
+    pub fn event(&mut self, event: Event) {
+        self.hardware.socket_event(event);
+        self.wake_tasks();
+    }
+
+    /// Does what is due now, or else goes to the next moment at which something is due, but not beyond `until`.
+    ///
+    /// One call costs at most one share of each task, so the caller can look after other things in between.
+    pub fn advance(&mut self, until: Duration) -> Advance {
+        if self.run_ready_tasks() {
+            return Advance::Worked;
+        }
+        match self.next_wake() {
+            Some(wake) if wake <= until => {
+                self.hardware.now = self.hardware.now.max(wake);
+                self.hardware.end_motions();
+                self.wake_tasks();
+                Advance::Worked
+            }
+            Some(_) | None => {
+                self.hardware.now = self.hardware.now.max(until);
+                Advance::Reached
+            }
+        }
+    }
+
+    /// [`Self::advance`] until the time is reached. For callers without sockets; an endless loop in a program costs
+    /// its share for every millisecond.
+    pub fn advance_fully(&mut self, until: Duration) {
+        while self.advance(until) == Advance::Worked {}
+    }
+
+    /// When something is due without any event from outside. In the past or now: at once.
+    #[must_use]
+    pub fn next_wake(&self) -> Option<Duration> {
+        let tasks = self.tasks.iter().filter_map(|task| match &task.phase {
+            Phase::Ready => Some(self.hardware.now),
+            Phase::Waiting(Wait::Until(time)) => Some(*time),
+            Phase::Waiting(_) | Phase::Over => None,
+            Phase::Resting => Some(task.period.saturating_add(SHARE_PERIOD)),
+        });
+        tasks.chain(self.hardware.executor.next_end()).min()
+    }
+
+    /// What is to be done outside, in order.
+    pub fn take_effects(&mut self) -> Vec<Effect> {
+        self.hardware.take_effects()
+    }
+
+    /// How many more bytes a connection may bring now; 0 makes the peer wait.
+    #[must_use]
+    pub fn room(&self, connection: ConnectionId) -> usize {
+        self.hardware.room(connection)
+    }
+
+    /// ABORT ALL: every task ends, the arm brakes, connections close.
+    pub fn abort_all(&mut self) {
+        for task in &mut self.tasks {
+            if !matches!(task.phase, Phase::Over) {
+                self.machine.abort(task.id, &mut self.hardware);
+                self.hardware.release_ports(task.id);
+                task.phase = Phase::Over;
+            }
+        }
+        self.hardware.close_connections();
+        self.hardware.stop_arm();
+        let text = "All tasks were aborted by the operator".to_owned();
+        self.hardware
+            .post(karel::Status::new(24, 999), text, Severity::Warn);
+    }
+
+    /// RESET: no alarm is active any more.
+    pub fn reset(&mut self) {
+        self.hardware.alarms.reset();
+    }
+
+    /// Where the joints are, in degrees.
+    #[must_use]
+    pub fn joints_deg(&self) -> [f64; 6] {
+        self.hardware.executor.joints(self.hardware.now).degrees()
+    }
+
+    /// Ledger entries above the number `after`, oldest first.
+    #[must_use]
+    pub fn ledger(&self, after: u64) -> Vec<LedgerEntry> {
+        self.hardware.ledger.after(after).cloned().collect()
+    }
+
+    /// How many ledger entries were dropped.
+    #[must_use]
+    pub fn ledger_dropped(&self) -> u64 {
+        self.hardware.ledger.dropped()
+    }
+
+    /// The alarms, oldest first.
+    #[must_use]
+    pub fn alarms(&self) -> Vec<Alarm> {
+        self.hardware.alarms.iter().cloned().collect()
+    }
+
+    /// How many alarms were dropped.
+    #[must_use]
+    pub fn alarms_dropped(&self) -> u64 {
+        self.hardware.alarms.dropped()
+    }
+
+    /// The last lines that programs wrote to the pendant's USER screen.
+    #[must_use]
+    pub fn screen(&self) -> Vec<String> {
+        self.hardware.screen.iter().cloned().collect()
+    }
+
+    /// One slice for each task that can run. Whether there was any.
+    fn run_ready_tasks(&mut self) -> bool {
+        let now = self.hardware.now;
+        for task in &mut self.tasks {
+            let due = match &task.phase {
+                Phase::Waiting(Wait::Until(time)) => *time <= now,
+                Phase::Resting => task.period + SHARE_PERIOD <= now,
+                Phase::Ready | Phase::Waiting(_) | Phase::Over => false,
+            };
+            if due {
+                task.phase = Phase::Ready;
+            }
+        }
+        let mut worked = false;
+        for index in 0..self.tasks.len() {
+            worked |= self.run_slice(index);
+        }
+        worked
+    }
+
+    fn run_slice(&mut self, index: usize) -> bool {
+        let now = self.hardware.now;
+        let Some(task) = self.tasks.get_mut(index) else {
+            return false;
+        };
+        if !matches!(task.phase, Phase::Ready) {
+            return false;
+        }
+        if task.period + SHARE_PERIOD <= now {
+            task.period = now;
+            task.share = self.limits.instructions_per_ms;
+        }
+        if task.share == 0 {
+            task.phase = Phase::Resting;
+            return true;
+        }
+        self.hardware.running = Some(task.id);
+        let slice = self.machine.run(task.id, task.share, &mut self.hardware);
+        self.hardware.running = None;
+        // A slice costs something even if it only asks again, or two tasks could wake each other for ever.
+        task.share = task.share.saturating_sub(slice.used.max(1));
+        task.phase = match slice.run {
+            Run::OutOfFuel => Phase::Ready,
+            Run::Blocked(wait) => Phase::Waiting(wait),
+            Run::Ended | Run::Aborted(_) => Phase::Over,
+        };
+        let (id, over) = (task.id, matches!(task.phase, Phase::Over));
+        self.hardware.end_cancel(id);
+        if over {
+            tracing::info!(controller = %self.hardware.name, task = id.0, "A KAREL task is over.");
+            self.hardware.release_ports(id);
+        }
+        self.wake_tasks();
+        true
+    }
+
+    fn wake_tasks(&mut self) {
+        for wake in self.hardware.take_wakes() {
+            for task in &mut self.tasks {
+                if let Phase::Waiting(wait) = &task.phase
+                    && wake.ends(wait)
+                {
+                    task.phase = Phase::Ready;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! The controller as people and tests see it.
+
+use karel::Wait;
+
+use super::{Controller, Task};
+use crate::ledger::seconds;
+use crate::state::{JointLimit, State, TagView, TaskState, TaskWord};
+
+impl Controller {
+    /// A snapshot for people and tests.
+    #[must_use]
+    pub fn state(&self) -> State {
+        let hardware = &self.hardware;
+        let model = hardware.planner.model();
+        let joints = hardware.executor.joints(hardware.now);
+        // Without usable frames, the flange in the world is what there is to show.
+        let (frame, tool) = hardware.frames().unwrap_or_default();
+        let pose = hardware
+            .planner
+            .pose(&joints, &frame, &tool)
+            .unwrap_or_default();
+        State {
+            controller: hardware.name.to_string(),
+            model: model.name().to_owned(),
+            time_s: seconds(hardware.now),
+            joints_deg: joints.degrees().into(),
+            limits_deg: kinematics::Axis::ALL
+                .into_iter()
+                .map(|axis| {
+                    let limits = model.limits(axis);
+                    let joint = axis.to_string();
+                    JointLimit {
+                        joint,
+                        min_deg: limits.min.0,
+                        max_deg: limits.max.0,
+                    }
+                })
+                .collect(),
+            pose,
+            configuration: model.configuration(&joints).to_string(),
+            moving: hardware.executor.is_moving(),
+            override_percent: hardware.override_percent,
+            motion_queue: hardware.executor.queued(),
+            tasks: self
+                .tasks
+                .iter()
+                .filter_map(|task| self.task_state(task))
+                .collect(),
+            tags: hardware
+                .tags
+                .iter()
+                .filter(|slot| slot.task.is_some())
+                .map(|slot| TagView {
+                    tag: slot.tag.to_string(),
+                    port: slot.port,
+                    state: slot.word().to_owned(),
+                    peer: slot.connection().map(|connection| connection.peer),
+                })
+                .collect(),
+            active_alarms: hardware.alarms.active(),
+            ledger_seq: hardware.ledger.last_seq(),
+        }
+    }
+
+    fn task_state(&self, task: &Task) -> Option<TaskState> {
+        let view = self.machine.task(task.id)?;
+        let (state, detail) = match view.state {
+            karel::TaskState::Ready => (TaskWord::Running, None),
+            karel::TaskState::Blocked(wait) => (TaskWord::Waiting, Some(wait_in_words(&wait))),
+            karel::TaskState::Ended => (TaskWord::Ended, None),
+            karel::TaskState::Aborted(error) => (TaskWord::Aborted, Some(error.to_string())),
+        };
+        Some(TaskState {
+            name: view.name.to_string(),
+            program: view.program.to_string(),
+            state,
+            line: view.line,
+            detail,
+        })
+    }
+}
+
+fn wait_in_words(wait: &Wait) -> String {
+    match wait {
+        Wait::Readable(_) => "waits for bytes".to_owned(),
+        Wait::Writable(_) => "waits until the peer takes bytes".to_owned(),
+        Wait::Connect(tag) => format!("waits for a client on {tag}:"),
+        Wait::MotionQueue => "waits for a place in the motion queue".to_owned(),
+        Wait::Motion(motion) => format!("waits for the end of motion {}", motion.0),
+        Wait::Until(time) => format!("waits until {:.3} s", seconds(*time)),
+    }
+}

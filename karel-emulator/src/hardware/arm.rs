@@ -1,0 +1,273 @@
+//! The arm: motions in, ledger entries out.
+
+use karel::{MotionId, MotionRequest, Progress, Status, TaskId, Value, Wait};
+use kinematics::PendantJoints;
+use units::MmPerSec;
+
+use super::{Hardware, MotionTag, Wake};
+use crate::ledger::{LedgerEntry, LedgerEvent, MotionKind, seconds};
+use crate::motion::planner::pose_of_target;
+use crate::motion::{Added, JointPath, Motion, MotionEnd, Outcome, Refusal};
+use crate::sysvars::codes::motype;
+
+/// MOTN-999: this controller does not simulate what the program asks for. A number of our own.
+const MOTN_NOT_SIMULATED: Status = Status::new(15, 999);
+
+/// MOTN-998: the motion was cancelled. A number of our own.
+const MOTN_CANCELLED: Status = Status::new(15, 998);
+
+/// The motion group of the arm; there is no other.
+const GROUP: i32 = 1;
+
+/// How many ended motions are remembered for tasks that wait for them: more than can be queued.
+const REMEMBERED_OUTCOMES: usize = 16;
+
+impl Hardware {
+    /// Queues a motion, or says what to wait for, or refuses it.
+    pub(super) fn queue_motion(
+        &mut self,
+        task: TaskId,
+        request: &MotionRequest,
+    ) -> Progress<Result<MotionId, Status>> {
+        if !self.executor.has_room() {
+            return Progress::Pending(Wait::MotionQueue);
+        }
+        self.last_motion += 1;
+        let speed = self.variables.real("$SPEED").map(f64::from);
+        let tag = MotionTag {
+            id: MotionId(self.last_motion),
+            target: pose_of_target(&request.target),
+            speed_mm_s: *speed.as_ref().unwrap_or(&0.0),
+            program: request.program.clone(),
+            line: request.line,
+            origin: self.origins.get(&task).cloned().unwrap_or_default(),
+        };
+        let planned = self
+            .joint_motion()
+            .and_then(|()| only_group(request.group))
+            .and_then(|()| speed.map_err(|status| Refusal::new(status, "$SPEED has no value")))
+            .and_then(|speed| Ok((speed, self.solve(request)?)));
+        match planned {
+            Ok((speed, to)) => Progress::Ready(Ok(self.enqueue(&tag, to, MmPerSec(speed)))),
+            Err(refusal) => {
+                let status = refusal.status;
+                self.refuse(&tag, &refusal);
+                let _replaced = self.refusals.insert(task, refusal);
+                Progress::Ready(Err(status))
+            }
+        }
+    }
+
+    /// Whether, and how, a motion has ended.
+    pub(super) fn outcome(&self, motion: MotionId) -> Progress<Status> {
+        let ended = self.outcomes.iter().find(|(id, _)| *id == motion);
+        ended.map_or(Progress::Pending(Wait::Motion(motion)), |(_, status)| {
+            Progress::Ready(*status)
+        })
+    }
+
+    /// The position of the tool in the KAREL motion environment.
+    pub(super) fn tool_position(
+        &mut self,
+        task: TaskId,
+        group: i32,
+    ) -> Result<karel::XyzwprExt, Status> {
+        let joints = self.executor.joints(self.now);
+        let position = only_group(group).and_then(|()| {
+            let (frame, tool) = self.frames()?;
+            self.planner.position(&joints, &frame, &tool)
+        });
+        position.map_err(|refusal| {
+            let status = refusal.status;
+            let _replaced = self.refusals.insert(task, refusal);
+            status
+        })
+    }
+
+    /// `$UFRAME` and `$UTOOL`.
+    pub(crate) fn frames(&self) -> Result<(karel::Position, karel::Position), Refusal> {
+        let frame = |name: &str| {
+            self.variables
+                .position(name)
+                .map_err(|status| Refusal::new(status, format!("{name} has no value")))
+        };
+        Ok((frame("$UFRAME")?, frame("$UTOOL")?))
+    }
+
+    /// Ends the motions whose time has come.
+    pub(crate) fn end_motions(&mut self) {
+        while let Some((end, started)) = self.executor.end_due(self.now) {
+            let started = started.cloned();
+            self.note_end(&end);
+            if let Some(tag) = started {
+                self.note_start(&tag);
+            }
+        }
+    }
+
+    /// Brakes the running motion and drops the pending one.
+    pub(crate) fn stop_arm(&mut self) {
+        if let Some(dropped) = self.executor.stop(self.now) {
+            self.note_end(&dropped);
+        }
+    }
+
+    /// Follows `$MCR.$GENOVERRIDE`.
+    pub(super) fn follow_override(&mut self) {
+        if let Ok(percent) = self.variables.integer("$MCR.$GENOVERRIDE")
+            && percent != self.override_percent
+        {
+            self.override_percent = percent;
+            self.executor.set_rate(self.now, f64::from(percent) / 100.0);
+        }
+    }
+
+    fn joint_motion(&self) -> Result<(), Refusal> {
+        match self.variables.integer("$MOTYPE") {
+            Ok(motype::JOINT) => Ok(()),
+            Ok(motype::LINEAR) => Err(not_simulated("$MOTYPE = LINEAR")),
+            Ok(motype::CIRCULAR) => Err(not_simulated("$MOTYPE = CIRCULAR")),
+            Ok(other) => Err(not_simulated(&format!("$MOTYPE = {other}"))),
+            Err(status) => Err(Refusal::new(status, "$MOTYPE has no value")),
+        }
+    }
+
+    fn solve(&self, request: &MotionRequest) -> Result<PendantJoints, Refusal> {
+        let (frame, tool) = self.frames()?;
+        self.planner.joints(&request.target, &frame, &tool)
+    }
+
+    fn enqueue(&mut self, tag: &MotionTag, to: PendantJoints, speed: MmPerSec) -> MotionId {
+        let id = tag.id;
+        let path = JointPath::plan(self.planner.model(), self.executor.tail(), to, speed);
+        match self.executor.add(
+            self.now,
+            Motion {
+                path,
+                tag: tag.clone(),
+            },
+        ) {
+            Added::Started => self.note_start(tag),
+            // `queue_motion` has looked for room.
+            Added::Waits | Added::NoRoom => {}
+        }
+        id
+    }
+
+    fn note_start(&mut self, tag: &MotionTag) {
+        let rate = f64::from(self.override_percent) / 100.0;
+        let Some(path) = self.executor.current().map(|motion| motion.path.clone()) else {
+            return;
+        };
+        let mut entry = self.entry(LedgerEvent::Started, tag, path.from());
+        entry.to_deg = Some(path.to().degrees().into());
+        entry.duration_s = Some(to_micros(path.duration() / rate));
+        tracing::info!(
+            controller = %self.name,
+            motion = tag.id.0,
+            request_id = tag.origin.request_id.as_deref(),
+            peer = tag.origin.peer.map(tracing::field::display),
+            "The arm starts motion {} to {:?}, which takes {:.3} s.",
+            tag.id.0, tag.target, path.duration() / rate,
+        );
+        self.ledger.push(entry);
+        // The queue has moved up, or the motion went past it.
+        self.wakes.push(Wake::MotionQueue);
+    }
+
+    fn note_end(&mut self, end: &MotionEnd<MotionTag>) {
+        let tag = &end.motion.tag;
+        let (event, status, word) = match end.outcome {
+            Outcome::Finished => (LedgerEvent::Finished, Status::OK, "finished"),
+            Outcome::Cancelled => (LedgerEvent::Cancelled, MOTN_CANCELLED, "was stopped in"),
+        };
+        let mut entry = self.entry(event, tag, end.motion.path.from());
+        entry.time_s = seconds(end.at);
+        entry.to_deg = Some(end.joints.degrees().into());
+        entry.duration_s = end
+            .started
+            .map(|started| seconds(end.at.saturating_sub(started)));
+        if end.outcome == Outcome::Cancelled {
+            entry.alarm = Some("the motion was cancelled".to_owned());
+        }
+        tracing::info!(
+            controller = %self.name,
+            motion = tag.id.0,
+            request_id = tag.origin.request_id.as_deref(),
+            "The arm {word} motion {}.", tag.id.0,
+        );
+        self.ledger.push(entry);
+        if self.outcomes.len() >= REMEMBERED_OUTCOMES {
+            let _oldest = self.outcomes.pop_front();
+        }
+        self.outcomes.push_back((tag.id, status));
+        self.wakes.extend([Wake::Motion(tag.id), Wake::MotionQueue]);
+    }
+
+    fn refuse(&mut self, tag: &MotionTag, refusal: &Refusal) {
+        let mut entry = self.entry(LedgerEvent::Refused, tag, &self.executor.tail());
+        entry.alarm = Some(refusal.headline());
+        self.ledger.push(entry);
+    }
+
+    fn entry(&self, event: LedgerEvent, tag: &MotionTag, from: &PendantJoints) -> LedgerEntry {
+        LedgerEntry {
+            seq: 0,
+            time_s: seconds(self.now),
+            event,
+            motion: tag.id.0,
+            kind: self.kind(),
+            from_deg: from.degrees().into(),
+            to_deg: None,
+            target_pose: tag.target,
+            speed_mm_s: tag.speed_mm_s,
+            override_percent: self.override_percent,
+            program: tag.program.to_string(),
+            line: tag.line,
+            peer: tag.origin.peer,
+            request_id: tag.origin.request_id.clone(),
+            alarm: None,
+            duration_s: None,
+        }
+    }
+
+    /// Only refused motions can be anything but joint motions in this version.
+    fn kind(&self) -> MotionKind {
+        match self.variables.integer("$MOTYPE") {
+            Ok(motype::LINEAR) => MotionKind::Linear,
+            Ok(motype::CIRCULAR) => MotionKind::Circular,
+            Ok(_) | Err(_) => MotionKind::Joint,
+        }
+    }
+
+    pub(super) fn live(&self, live: crate::sysvars::Live) -> Value {
+        match live {
+            crate::sysvars::Live::RobotMoves => Value::Boolean(self.executor.is_moving()),
+            crate::sysvars::Live::FastClock => {
+                let wrapped = self.now.as_millis() % (1 << 31);
+                Value::Integer(i32::try_from(wrapped).unwrap_or(0))
+            }
+        }
+    }
+}
+
+/// Refuses any group but the arm's.
+pub(super) fn only_group(group: i32) -> Result<(), Refusal> {
+    if group == GROUP {
+        Ok(())
+    } else {
+        let text = format!("motion group {group} does not exist, this controller has group 1 only");
+        Err(Refusal::new(Status::MOTN_UNREACHABLE, text))
+    }
+}
+
+fn not_simulated(what: &str) -> Refusal {
+    Refusal::new(
+        MOTN_NOT_SIMULATED,
+        format!("{what} is not simulated yet, only JOINT is"),
+    )
+}
+
+fn to_micros(seconds: f64) -> f64 {
+    (seconds * 1e6).round() / 1e6
+}

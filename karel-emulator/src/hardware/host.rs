@@ -1,0 +1,114 @@
+//! The interpreter's view of the controller.
+
+use std::time::Duration;
+
+use karel::{
+    FileId, Host, Input, MotionId, MotionRequest, OpenMode, Position, Progress, RuntimeError,
+    Status, SysPath, SysValue, TaskId, Value, XyzwprExt,
+};
+
+use super::Hardware;
+use super::arm::only_group;
+use crate::sysvars::Reading;
+
+impl Host for Hardware {
+    fn now(&self) -> Duration {
+        self.now
+    }
+
+    fn msg_connect(&mut self, task: TaskId, tag: &str) -> Progress<Status> {
+        self.connect(task, tag)
+    }
+
+    fn msg_disco(&mut self, _task: TaskId, tag: &str) -> Status {
+        self.disconnect(tag)
+    }
+
+    fn open_file(&mut self, task: TaskId, mode: OpenMode, name: &str) -> Result<FileId, Status> {
+        self.open(task, mode, name)
+    }
+
+    fn close_file(&mut self, file: FileId) -> Status {
+        self.close(file)
+    }
+
+    fn cancel_file(&mut self, file: FileId) -> Status {
+        self.cancel(file)
+    }
+
+    fn input(&self, file: FileId) -> Input<'_> {
+        self.input_of(file)
+    }
+
+    fn consume(&mut self, file: FileId, count: usize) {
+        self.consume_input(file, count);
+    }
+
+    fn output(&mut self, file: FileId, bytes: &[u8]) -> Progress<Status> {
+        self.write(file, bytes)
+    }
+
+    fn display(&mut self, _task: TaskId, text: &[u8]) {
+        self.show(text);
+    }
+
+    fn system_variable(&self, _task: TaskId, path: &SysPath) -> Result<Value, Status> {
+        match self.variables.get(path)? {
+            Reading::Value(value) => Ok(value),
+            Reading::Live(live) => Ok(self.live(live)),
+        }
+    }
+
+    fn set_system_variable(
+        &mut self,
+        _task: TaskId,
+        path: &SysPath,
+        value: SysValue,
+    ) -> Result<(), Status> {
+        self.variables.set(path, value)?;
+        self.follow_override();
+        Ok(())
+    }
+
+    fn current_position(&mut self, task: TaskId, group: i32) -> Result<XyzwprExt, Status> {
+        self.tool_position(task, group)
+    }
+
+    fn check_position(
+        &mut self,
+        _task: TaskId,
+        position: &XyzwprExt,
+        user_frame: &Position,
+        tool: &Position,
+        group: i32,
+    ) -> Status {
+        let solved =
+            only_group(group).and_then(|()| self.planner.joints(position, user_frame, tool));
+        match solved {
+            Ok(_) => Status::OK,
+            Err(refusal) => {
+                tracing::info!(
+                    controller = %self.name,
+                    "CHECK_EPOS answers {}: {}.", refusal.status, refusal.text,
+                );
+                refusal.status
+            }
+        }
+    }
+
+    fn start_motion(
+        &mut self,
+        task: TaskId,
+        motion: MotionRequest,
+    ) -> Progress<Result<MotionId, Status>> {
+        self.queue_motion(task, &motion)
+    }
+
+    fn motion_ended(&mut self, motion: MotionId) -> Progress<Status> {
+        self.outcome(motion)
+    }
+
+    fn post_alarm(&mut self, task: TaskId, alarm: &RuntimeError) {
+        self.post_error(task, alarm);
+    }
+}

@@ -1,0 +1,209 @@
+//! Everything of the controller that is not the interpreter: arm, tags, files, variables, alarms, ledger.
+//!
+//! The KAREL machine sees it as its [`karel::Host`]. It stands beside the machine, not above it, so that the machine
+//! can run with a mutable borrow of it.
+
+mod arm;
+mod host;
+mod sockets;
+
+use std::collections::{BTreeMap, VecDeque};
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::time::Duration;
+
+use karel::{FileId, MotionId, RuntimeError, Status, TaskId, Wait};
+
+use crate::alarms::{Alarm, AlarmLog, Severity};
+use crate::config::ControllerConfig;
+use crate::effects::{ConnectionId, Effect, Tag};
+use crate::ledger::{Ledger, PoseMmDeg, seconds};
+use crate::motion::{Executor, Planner, Refusal};
+use crate::sysvars::SystemVariables;
+use crate::tags::ServerTag;
+
+/// Lines of the USER screen that are kept.
+const SCREEN_LINES: usize = 20;
+/// Characters of one line of the USER screen.
+const SCREEN_COLUMNS: usize = 80;
+
+/// The parts around the interpreter.
+#[derive(Debug)]
+pub(crate) struct Hardware {
+    pub(crate) name: Arc<str>,
+    pub(crate) now: Duration,
+    pub(crate) planner: Planner,
+    pub(crate) variables: SystemVariables,
+    pub(crate) executor: Executor<MotionTag>,
+    pub(crate) override_percent: i32,
+    pub(crate) ledger: Ledger,
+    pub(crate) alarms: AlarmLog,
+    pub(crate) tags: Vec<ServerTag>,
+    pub(crate) screen: VecDeque<String>,
+    /// The task whose statements are executed now.
+    pub(crate) running: Option<TaskId>,
+    effects: Vec<Effect>,
+    wakes: Vec<Wake>,
+    files: BTreeMap<FileId, OpenFile>,
+    last_file: u32,
+    last_motion: u64,
+    /// How the latest motions ended, for tasks that wait for them.
+    outcomes: VecDeque<(MotionId, Status)>,
+    /// Whose bytes each task read last.
+    origins: BTreeMap<TaskId, Origin>,
+    /// Why the last call of a task failed, in more words than a status has.
+    refusals: BTreeMap<TaskId, Refusal>,
+    /// Until when a `MSG_CONNECT` that failed at once is held back.
+    penalties: BTreeMap<TaskId, Duration>,
+}
+
+/// What the executor carries for each motion.
+#[derive(Clone, Debug)]
+pub(crate) struct MotionTag {
+    id: MotionId,
+    target: PoseMmDeg,
+    speed_mm_s: f64,
+    program: Arc<str>,
+    line: u32,
+    origin: Origin,
+}
+
+/// Where a task's latest input came from.
+#[derive(Clone, Debug, Default)]
+struct Origin {
+    peer: Option<SocketAddr>,
+    request_id: Option<String>,
+}
+
+#[derive(Debug)]
+struct OpenFile {
+    connection: ConnectionId,
+    task: TaskId,
+    cancelled: bool,
+}
+
+/// A wait that may be over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Wake {
+    /// Bytes, an end, or a cancellation.
+    Readable(FileId),
+    /// Room to write.
+    Writable(FileId),
+    /// A client, or a failure to listen.
+    Connect(Tag),
+    /// A place in the motion queue.
+    MotionQueue,
+    /// The end of a motion.
+    Motion(MotionId),
+}
+
+impl Wake {
+    /// Whether this is what a task waits for.
+    pub(crate) fn ends(self, wait: &Wait) -> bool {
+        match wait {
+            Wait::Readable(file) => self == Wake::Readable(*file),
+            Wait::Writable(file) => self == Wake::Writable(*file),
+            Wait::Connect(name) => Tag::parse(name).is_some_and(|tag| self == Wake::Connect(tag)),
+            Wait::MotionQueue => self == Wake::MotionQueue,
+            Wait::Motion(motion) => self == Wake::Motion(*motion),
+            Wait::Until(_) => false,
+        }
+    }
+}
+
+impl Hardware {
+    pub(crate) fn new(config: &ControllerConfig) -> Self {
+        Self {
+            name: config.name.as_str().into(),
+            now: Duration::ZERO,
+            planner: Planner::new(config.model.clone()),
+            variables: SystemVariables::new(),
+            executor: Executor::new(config.start_joints, 1.0),
+            override_percent: 100,
+            ledger: Ledger::new(config.limits.ledger_entries),
+            alarms: AlarmLog::new(config.limits.alarms),
+            tags: Tag::all().map(ServerTag::new).collect(),
+            screen: VecDeque::new(),
+            running: None,
+            effects: Vec::new(),
+            wakes: Vec::new(),
+            files: BTreeMap::new(),
+            last_file: 0,
+            last_motion: 0,
+            outcomes: VecDeque::new(),
+            origins: BTreeMap::new(),
+            refusals: BTreeMap::new(),
+            penalties: BTreeMap::new(),
+        }
+    }
+
+    pub(crate) fn take_effects(&mut self) -> Vec<Effect> {
+        std::mem::take(&mut self.effects)
+    }
+
+    pub(crate) fn take_wakes(&mut self) -> Vec<Wake> {
+        std::mem::take(&mut self.wakes)
+    }
+
+    /// Adds an alarm to the log, and to the trace.
+    pub(crate) fn post(&mut self, status: Status, text: String, severity: Severity) {
+        self.post_at(status, text, severity, None);
+    }
+
+    fn post_at(
+        &mut self,
+        status: Status,
+        text: String,
+        severity: Severity,
+        place: Option<(&Arc<str>, u32)>,
+    ) {
+        let alarm = Alarm {
+            seq: 0,
+            time_s: seconds(self.now),
+            facility: status.facility_name().unwrap_or("SYST").to_owned(),
+            number: status.number().unsigned_abs(),
+            text,
+            severity,
+            program: place.map(|(program, _)| program.to_string()),
+            line: place.map(|(_, line)| line),
+            active: true,
+        };
+        tracing::warn!(
+            controller = %self.name,
+            time_s = alarm.time_s,
+            "The controller raised the alarm {}.",
+            alarm.headline(),
+        );
+        self.alarms.post(alarm);
+    }
+
+    /// The error that ended a task, with the better words of the call that failed if there are any.
+    fn post_error(&mut self, task: TaskId, error: &RuntimeError) {
+        let text = match self.refusals.remove(&task) {
+            Some(refusal) if refusal.status == error.status => refusal.text,
+            Some(_) | None => error.message.clone(),
+        };
+        let place = Some((&error.program, error.line));
+        self.post_at(error.status, text, Severity::Abort, place);
+    }
+
+    /// Text for the USER screen: the last lines are kept, control bytes are not.
+    fn show(&mut self, text: &[u8]) {
+        for line in text.split(|&byte| byte == b'\n' || byte == b'\r') {
+            let line: String = line
+                .iter()
+                .filter(|byte| !byte.is_ascii_control() && **byte < 128)
+                .take(SCREEN_COLUMNS)
+                .map(|&byte| char::from(byte))
+                .collect();
+            if line.is_empty() {
+                continue;
+            }
+            tracing::debug!(controller = %self.name, "The program wrote to the USER screen: {line}");
+            if self.screen.len() >= SCREEN_LINES {
+                let _oldest = self.screen.pop_front();
+            }
+            self.screen.push_back(line);
+        }
+    }
+}

@@ -1,0 +1,339 @@
+//! Tags and the files that are open on them.
+
+use karel::{FileId, Input, InputEnd, OpenMode, Progress, Status, TaskId, Wait};
+
+use super::{Hardware, OpenFile, Origin, Wake};
+use crate::alarms::Severity;
+use crate::effects::{ConnectionId, Effect, Event, Tag};
+use crate::tags::{Connection, FAILED_CONNECT_TIME, HOST_NOT_CONNECTED, ServerTag, TagState};
+
+/// `$STATE` of a tag that programs may use.
+const TAG_STARTED: i32 = 3;
+
+/// Files that may be open at a time.
+const OPEN_FILES: usize = 64;
+
+impl Hardware {
+    /// `MSG_CONNECT`: listens, waits, and reports the client; a failure takes at least [`FAILED_CONNECT_TIME`].
+    pub(super) fn connect(&mut self, task: TaskId, name: &str) -> Progress<Status> {
+        if let Some(&until) = self.penalties.get(&task) {
+            if self.now < until {
+                return Progress::Pending(Wait::Until(until));
+            }
+            let _over = self.penalties.remove(&task);
+            return Progress::Ready(Status::HOST_TAG);
+        }
+        match self.try_connect(task, name) {
+            Ok(progress) => progress,
+            Err(status) => {
+                tracing::debug!(controller = %self.name, tag = name, "MSG_CONNECT failed with {status}.");
+                let until = self.now + FAILED_CONNECT_TIME;
+                let _previous = self.penalties.insert(task, until);
+                Progress::Pending(Wait::Until(until))
+            }
+        }
+    }
+
+    fn try_connect(&mut self, task: TaskId, name: &str) -> Result<Progress<Status>, Status> {
+        let tag = Tag::parse(name).ok_or(Status::HOST_TAG)?;
+        let port = self.port_of(tag)?;
+        let slot = self.slot(tag).ok_or(Status::HOST_TAG)?;
+        let wait = || Progress::Pending(Wait::Connect(format!("S{}", tag.number())));
+        match std::mem::replace(&mut slot.state, TagState::Idle) {
+            TagState::Idle => {
+                slot.state = TagState::Waiting;
+                slot.task = Some(task);
+                slot.port = Some(port);
+                self.effects.push(Effect::Accept { tag, port });
+                tracing::debug!(controller = %self.name, %tag, port, "The program waits for a client.");
+                Ok(wait())
+            }
+            TagState::Waiting if slot.task == Some(task) => {
+                slot.state = TagState::Waiting;
+                Ok(wait())
+            }
+            TagState::Accepted(connection) if slot.task == Some(task) => {
+                slot.state = TagState::Connected(connection);
+                slot.last_failure = None;
+                Ok(Progress::Ready(Status::OK))
+            }
+            TagState::Failed(reason) => {
+                let news = slot.last_failure.as_ref() != Some(&reason);
+                slot.last_failure = Some(reason.clone());
+                if news {
+                    self.post(Status::HOST_TAG, reason, Severity::Warn);
+                }
+                Err(Status::HOST_TAG)
+            }
+            busy @ (TagState::Waiting | TagState::Accepted(_) | TagState::Connected(_)) => {
+                slot.state = busy;
+                Err(Status::HOST_TAG)
+            }
+        }
+    }
+
+    fn port_of(&self, tag: Tag) -> Result<u16, Status> {
+        let root = format!("$HOSTS_CFG[{}]", tag.number());
+        let state = self.variables.integer(&format!("{root}.$STATE"))?;
+        if state != TAG_STARTED {
+            return Err(Status::HOST_TAG);
+        }
+        let port = self.variables.integer(&format!("{root}.$SERVER_PORT"))?;
+        u16::try_from(port)
+            .ok()
+            .filter(|&port| port != 0)
+            .ok_or(Status::HOST_TAG)
+    }
+
+    /// `MSG_DISCO`: harmless on an idle tag.
+    pub(super) fn disconnect(&mut self, name: &str) -> Status {
+        let Some(slot) = Tag::parse(name).and_then(|tag| self.slot(tag)) else {
+            return Status::HOST_TAG;
+        };
+        let effect = slot.disconnect();
+        self.effects.extend(effect);
+        Status::OK
+    }
+
+    pub(super) fn open(
+        &mut self,
+        task: TaskId,
+        _mode: OpenMode,
+        name: &str,
+    ) -> Result<FileId, Status> {
+        // ASSUMPTION: only tags can be opened in this version; every other name fails as a missing file would.
+        let tag = Tag::parse(name).ok_or(Status::INTP_OPEN_FAILED)?;
+        let slot = self.slot(tag).ok_or(Status::INTP_OPEN_FAILED)?;
+        let TagState::Connected(Connection { id: connection, .. }) = slot.state else {
+            return Err(Status::INTP_OPEN_FAILED);
+        };
+        if self.files.len() >= OPEN_FILES {
+            return Err(Status::INTP_LIMIT);
+        }
+        self.last_file += 1;
+        let file = FileId(self.last_file);
+        let open = OpenFile {
+            connection,
+            task,
+            cancelled: false,
+        };
+        let _new = self.files.insert(file, open);
+        Ok(file)
+    }
+
+    pub(super) fn close(&mut self, file: FileId) -> Status {
+        let _closed = self.files.remove(&file);
+        Status::OK
+    }
+
+    /// Breaks a READ in progress; [`Self::end_cancel`] makes the file usable again.
+    ///
+    /// A task that cancels its own file has nothing in progress on it.
+    pub(super) fn cancel(&mut self, file: FileId) -> Status {
+        let running = self.running;
+        if let Some(open) = self.files.get_mut(&file)
+            && Some(open.task) != running
+        {
+            open.cancelled = true;
+            self.wakes
+                .extend([Wake::Readable(file), Wake::Writable(file)]);
+        }
+        Status::OK
+    }
+
+    /// A cancellation reaches only operations that were in progress when it came.
+    pub(crate) fn end_cancel(&mut self, task: TaskId) {
+        for open in self.files.values_mut().filter(|open| open.task == task) {
+            open.cancelled = false;
+        }
+    }
+
+    pub(super) fn input_of(&self, file: FileId) -> Input<'_> {
+        let closed = |status| Input {
+            bytes: &[],
+            end: InputEnd::Closed(status),
+        };
+        let Some(open) = self.files.get(&file) else {
+            return closed(Status::INTP_NOT_OPEN);
+        };
+        if open.cancelled {
+            return closed(Status::INTP_READ_FAILED);
+        }
+        match self.connection(open.connection) {
+            None => closed(HOST_NOT_CONNECTED),
+            Some(connection) => Input {
+                bytes: &connection.received,
+                end: connection.end.map_or(InputEnd::Open, InputEnd::Closed),
+            },
+        }
+    }
+
+    pub(super) fn consume_input(&mut self, file: FileId, count: usize) {
+        let Some(OpenFile {
+            connection, task, ..
+        }) = self.files.get(&file)
+        else {
+            return;
+        };
+        let (id, task) = (*connection, *task);
+        let Some(connection) = self.connection_mut(id) else {
+            return;
+        };
+        let origin = Origin {
+            peer: Some(connection.peer),
+            request_id: connection.request_id.clone(),
+        };
+        let count = count.min(connection.received.len());
+        drop(connection.received.drain(..count));
+        let _previous = self.origins.insert(task, origin);
+    }
+
+    /// WRITE: all bytes go out together, or the task waits until they can.
+    pub(super) fn write(&mut self, file: FileId, bytes: &[u8]) -> Progress<Status> {
+        let Some(open) = self.files.get(&file) else {
+            return Progress::Ready(Status::INTP_NOT_OPEN);
+        };
+        let (id, cancelled) = (open.connection, open.cancelled);
+        let Some(connection) = self.connection_mut(id) else {
+            return Progress::Ready(HOST_NOT_CONNECTED);
+        };
+        if connection.broken {
+            return Progress::Ready(HOST_NOT_CONNECTED);
+        }
+        if cancelled {
+            return Progress::Ready(Status::INTP_WRITE_FAILED);
+        }
+        if bytes.is_empty() {
+            return Progress::Ready(Status::OK);
+        }
+        if !connection.takes(bytes.len()) {
+            return Progress::Pending(Wait::Writable(file));
+        }
+        connection.unsent += bytes.len();
+        self.effects.push(Effect::Send {
+            connection: id,
+            bytes: bytes.to_vec(),
+        });
+        Progress::Ready(Status::OK)
+    }
+
+    /// Something happened on a socket.
+    pub(crate) fn socket_event(&mut self, event: Event) {
+        match event {
+            Event::Connected {
+                tag,
+                connection,
+                peer,
+            } => self.accept(tag, connection, peer),
+            Event::ListenFailed { tag, reason } => {
+                if let Some(slot) = self.slot(tag)
+                    && matches!(slot.state, TagState::Waiting)
+                {
+                    slot.state = TagState::Failed(reason);
+                    self.wakes.push(Wake::Connect(tag));
+                }
+            }
+            Event::Bytes {
+                connection,
+                bytes,
+                request_id,
+            } => {
+                if let Some(open) = self.connection_mut(connection) {
+                    tracing::debug!(
+                        peer = %open.peer, request_id = request_id.as_deref(), bytes = bytes.len(),
+                        "Bytes arrived."
+                    );
+                    open.received.extend_from_slice(&bytes);
+                    open.request_id = request_id;
+                }
+                self.wake_files(connection);
+            }
+            Event::Sent { connection, count } => {
+                if let Some(open) = self.connection_mut(connection) {
+                    open.unsent = open.unsent.saturating_sub(count);
+                }
+                self.wake_files(connection);
+            }
+            Event::PeerClosed { connection } => {
+                if let Some(open) = self.connection_mut(connection) {
+                    open.end = Some(Status::HOST_PEER_CLOSED);
+                }
+                self.wake_files(connection);
+            }
+            Event::PeerLost { connection } => {
+                if let Some(open) = self.connection_mut(connection) {
+                    open.end = Some(Status::HOST_PEER_CLOSED);
+                    open.broken = true;
+                }
+                self.wake_files(connection);
+            }
+        }
+    }
+
+    /// The task is over: its ports close. Its connections stay open and silent, as on a controller.
+    pub(crate) fn release_ports(&mut self, task: TaskId) {
+        for slot in &mut self.tags {
+            if slot.task == Some(task) {
+                if matches!(slot.state, TagState::Waiting | TagState::Failed(_)) {
+                    slot.state = TagState::Idle;
+                }
+                self.effects.push(Effect::StopListening { tag: slot.tag });
+            }
+        }
+        let _penalty = self.penalties.remove(&task);
+    }
+
+    /// ABORT ALL: connections close, too.
+    pub(crate) fn close_connections(&mut self) {
+        for slot in &mut self.tags {
+            let effect = slot.disconnect();
+            self.effects.extend(effect);
+        }
+        self.files.clear();
+    }
+
+    /// How many more bytes a connection may bring now.
+    pub(crate) fn room(&self, id: ConnectionId) -> usize {
+        self.connection(id).map_or(0, Connection::room)
+    }
+
+    fn accept(&mut self, tag: Tag, id: ConnectionId, peer: std::net::SocketAddr) {
+        let name = self.name.clone();
+        match self.slot(tag) {
+            Some(slot) if matches!(slot.state, TagState::Waiting) => {
+                slot.state = TagState::Accepted(Connection::new(id, peer));
+                tracing::info!(controller = %name, %tag, %peer, "A client connected.");
+                self.wakes.push(Wake::Connect(tag));
+            }
+            // The program gave up waiting while the client was on its way.
+            Some(_) | None => self.effects.push(Effect::Close { connection: id }),
+        }
+    }
+
+    fn slot(&mut self, tag: Tag) -> Option<&mut ServerTag> {
+        self.tags.get_mut(usize::from(tag.number()) - 1)
+    }
+
+    fn connection(&self, id: ConnectionId) -> Option<&Connection> {
+        self.tags
+            .iter()
+            .filter_map(ServerTag::connection)
+            .find(|c| c.id == id)
+    }
+
+    fn connection_mut(&mut self, id: ConnectionId) -> Option<&mut Connection> {
+        self.tags
+            .iter_mut()
+            .filter_map(ServerTag::connection_mut)
+            .find(|c| c.id == id)
+    }
+
+    fn wake_files(&mut self, connection: ConnectionId) {
+        for (&file, open) in &self.files {
+            if open.connection == connection {
+                self.wakes
+                    .extend([Wake::Readable(file), Wake::Writable(file)]);
+            }
+        }
+    }
+}

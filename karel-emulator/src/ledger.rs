@@ -1,0 +1,228 @@
+//! The ledger: what the arm was asked to do and what it did, the truth that tests and operators look at.
+
+use std::collections::VecDeque;
+use std::net::SocketAddr;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+/// Six joint angles as the pendant shows them, in degrees.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "the six axes")]
+pub struct JointsDeg {
+    pub j1: f64,
+    pub j2: f64,
+    pub j3: f64,
+    pub j4: f64,
+    pub j5: f64,
+    pub j6: f64,
+}
+
+impl From<[f64; 6]> for JointsDeg {
+    fn from([j1, j2, j3, j4, j5, j6]: [f64; 6]) -> Self {
+        Self {
+            j1,
+            j2,
+            j3,
+            j4,
+            j5,
+            j6,
+        }
+    }
+}
+
+impl From<JointsDeg> for [f64; 6] {
+    fn from(j: JointsDeg) -> Self {
+        [j.j1, j.j2, j.j3, j.j4, j.j5, j.j6]
+    }
+}
+
+/// A pose as the pendant shows it: millimeters and degrees, W, P, R about the fixed X, Y, Z axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "the six components")]
+pub struct PoseMmDeg {
+    pub x_mm: f64,
+    pub y_mm: f64,
+    pub z_mm: f64,
+    pub w_deg: f64,
+    pub p_deg: f64,
+    pub r_deg: f64,
+}
+
+/// What happened to a motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LedgerEvent {
+    /// The arm began to move.
+    Started,
+    /// The arm stands still at the target.
+    Finished,
+    /// The controller did not accept the motion; `alarm` says why. The arm did not move for it.
+    Refused,
+    /// The motion was stopped on its way, or dropped before it began.
+    Cancelled,
+}
+
+/// The geometry of a motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum MotionKind {
+    /// All axes start and stop together.
+    Joint,
+    /// The tool center point on a straight line.
+    Linear,
+    /// The tool center point on an arc.
+    Circular,
+}
+
+/// One line of the ledger.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LedgerEntry {
+    /// Counts from 1, without holes while nothing is dropped.
+    pub seq: u64,
+    /// Controller time since power-on.
+    pub time_s: f64,
+    /// What happened.
+    pub event: LedgerEvent,
+    /// The motion; the entries of one motion carry the same number. A refused motion has one of its own.
+    pub motion: u64,
+    /// Joint, linear or circular.
+    pub kind: MotionKind,
+    /// Where the motion starts.
+    pub from_deg: JointsDeg,
+    /// Where it ends: the target, or where the arm came to rest if it was cancelled. `None` if there is no such place.
+    pub to_deg: Option<JointsDeg>,
+    /// The target as commanded, in the user frame, for the tool.
+    pub target_pose: PoseMmDeg,
+    /// `$SPEED` of the motion.
+    pub speed_mm_s: f64,
+    /// The general override at this moment.
+    pub override_percent: i32,
+    /// The program that commanded the motion.
+    pub program: String,
+    /// Its source line.
+    pub line: u32,
+    /// The TCP peer whose bytes the program read last.
+    pub peer: Option<SocketAddr>,
+    /// The HTTP request behind that peer.
+    pub request_id: Option<String>,
+    /// Why the motion was refused or cancelled.
+    pub alarm: Option<String>,
+    /// From the start to this moment; for `started`, the planned duration at the present override.
+    pub duration_s: Option<f64>,
+}
+
+/// The newest entries, up to a bound; what fell off the end is counted.
+#[derive(Debug)]
+pub struct Ledger {
+    entries: VecDeque<LedgerEntry>,
+    capacity: usize,
+    dropped: u64,
+    last_seq: u64,
+}
+
+impl Ledger {
+    /// An empty ledger that keeps the newest `capacity` entries.
+    #[must_use]
+    pub fn new(capacity: usize) -> Self {
+        Self {
+            entries: VecDeque::new(),
+            capacity,
+            dropped: 0,
+            last_seq: 0,
+        }
+    }
+
+    /// Appends an entry; its number is set here.
+    pub fn push(&mut self, mut entry: LedgerEntry) {
+        self.last_seq += 1;
+        entry.seq = self.last_seq;
+        if self.entries.len() >= self.capacity {
+            let _oldest = self.entries.pop_front();
+            self.dropped += 1;
+        }
+        self.entries.push_back(entry);
+    }
+
+    /// Entries with a number above `after`, oldest first.
+    pub fn after(&self, after: u64) -> impl Iterator<Item = &LedgerEntry> {
+        self.entries.iter().filter(move |entry| entry.seq > after)
+    }
+
+    /// How many entries were dropped because the ledger was full.
+    #[must_use]
+    pub fn dropped(&self) -> u64 {
+        self.dropped
+    }
+
+    /// The number of the newest entry, 0 if there was none.
+    #[must_use]
+    pub fn last_seq(&self) -> u64 {
+        self.last_seq
+    }
+}
+
+/// Controller time as the ledger writes it: seconds with microseconds, so that equal runs are equal byte for byte.
+#[must_use]
+pub(crate) fn seconds(time: Duration) -> f64 {
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "exact up to 2^53 microseconds, 285 years"
+    )]
+    let micros = time.as_micros() as f64;
+    micros / 1e6
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entry(motion: u64) -> LedgerEntry {
+        LedgerEntry {
+            seq: 0,
+            time_s: 0.0,
+            event: LedgerEvent::Started,
+            motion,
+            kind: MotionKind::Joint,
+            from_deg: [0.0; 6].into(),
+            to_deg: None,
+            target_pose: PoseMmDeg {
+                x_mm: 0.0,
+                y_mm: 0.0,
+                z_mm: 0.0,
+                w_deg: 0.0,
+                p_deg: 0.0,
+                r_deg: 0.0,
+            },
+            speed_mm_s: 300.0,
+            override_percent: 25,
+            program: "SOCKSERVER".to_owned(),
+            line: 1,
+            peer: None,
+            request_id: None,
+            alarm: None,
+            duration_s: None,
+        }
+    }
+
+    #[test]
+    fn a_full_ledger_drops_the_oldest_and_counts_it() {
+        let mut ledger = Ledger::new(2);
+        for motion in 1..=3 {
+            ledger.push(entry(motion));
+        }
+        assert_eq!(ledger.dropped(), 1);
+        assert_eq!(ledger.after(0).map(|e| e.seq).collect::<Vec<_>>(), [2, 3]);
+        assert_eq!(ledger.after(2).count(), 1);
+        assert_eq!(ledger.last_seq(), 3);
+    }
+
+    #[test]
+    fn an_entry_survives_json() {
+        let json = serde_json::to_string(&entry(7)).unwrap();
+        assert_eq!(
+            serde_json::from_str::<LedgerEntry>(&json).unwrap(),
+            entry(7)
+        );
+    }
+}

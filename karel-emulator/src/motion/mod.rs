@@ -1,0 +1,23 @@
+//! Motion of the virtual arm: closed forms of time, so nothing ticks while nothing changes.
+//!
+//! [`profile`] says how far along a path the arm is, [`path`] maps that to six joints, [`executor`] owns the
+//! motion that runs and the one that waits, and [`planner`] turns a Cartesian target into joints or into an alarm.
+
+pub mod executor;
+pub mod path;
+pub mod planner;
+pub mod profile;
+
+pub use executor::{Added, Executor, Motion, MotionEnd, Outcome};
+pub use path::JointPath;
+pub use planner::{Planner, Refusal};
+pub use profile::Profile;
+
+use std::time::Duration;
+
+/// Seconds, rounded up to the clock's nanosecond, so that a motion is never reported ended too early.
+#[must_use]
+pub(crate) fn duration_from_secs_rounded_up(seconds: f64) -> Duration {
+    Duration::try_from_secs_f64(seconds.max(0.0))
+        .map_or(Duration::MAX, |d| d.saturating_add(Duration::from_nanos(1)))
+}

@@ -1,0 +1,93 @@
+//! What the panel and tests see of a controller.
+
+use std::net::SocketAddr;
+
+use serde::{Deserialize, Serialize};
+
+use crate::ledger::{JointsDeg, PoseMmDeg};
+
+/// A snapshot of one controller.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// The controller's name.
+    pub controller: String,
+    /// The arm's model.
+    pub model: String,
+    /// Controller time since power-on.
+    pub time_s: f64,
+    /// Where the joints are.
+    pub joints_deg: JointsDeg,
+    /// The limits of the joints.
+    pub limits_deg: Vec<JointLimit>,
+    /// The tool center point in the user frame.
+    pub pose: PoseMmDeg,
+    /// The branch of the inverse kinematics, such as `N U T, 0, 0, 0`.
+    pub configuration: String,
+    /// Whether the arm moves.
+    pub moving: bool,
+    /// The general override.
+    pub override_percent: i32,
+    /// Motions running and waiting: 0 to 2.
+    pub motion_queue: usize,
+    /// The KAREL tasks.
+    pub tasks: Vec<TaskState>,
+    /// The server tags that were used.
+    pub tags: Vec<TagView>,
+    /// How many alarms wait for a reset.
+    pub active_alarms: usize,
+    /// Number of the newest ledger entry.
+    pub ledger_seq: u64,
+}
+
+/// The limits of one joint.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct JointLimit {
+    /// `J1` to `J6`.
+    pub joint: String,
+    /// Lower limit.
+    pub min_deg: f64,
+    /// Upper limit.
+    pub max_deg: f64,
+}
+
+/// One task.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TaskState {
+    /// The task: its root program.
+    pub name: String,
+    /// The program whose routine runs now.
+    pub program: String,
+    /// `running`, `waiting`, `ended` or `aborted`.
+    pub state: TaskWord,
+    /// The source line.
+    pub line: u32,
+    /// What it waits for, or the error that ended it.
+    pub detail: Option<String>,
+}
+
+/// What a task does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum TaskWord {
+    /// It has statements to execute.
+    Running,
+    /// It waits.
+    Waiting,
+    /// It ended.
+    Ended,
+    /// An error ended it.
+    Aborted,
+}
+
+/// One server tag.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TagView {
+    /// `S1:` to `S8:`.
+    pub tag: String,
+    /// The port as the program knows it.
+    pub port: Option<u16>,
+    /// `idle`, `listening`, `connected` or `failed`.
+    pub state: String,
+    /// The client.
+    pub peer: Option<SocketAddr>,
+}

@@ -1,0 +1,231 @@
+//! The handle of a running controller.
+
+use std::net::{SocketAddr, TcpListener as StdListener};
+use std::time::Duration;
+
+use tokio::sync::{mpsc, oneshot, watch};
+use tokio_util::sync::CancellationToken;
+use tokio_util::task::TaskTracker;
+
+use crate::alarms::Alarm;
+use crate::clock::Clock;
+use crate::config::{ControllerConfig, Exposure};
+use crate::driver::{Command, Driver, Lines};
+use crate::error::{ControllerStopped, StartError};
+use crate::labels::PeerLabels;
+use crate::ledger::LedgerEntry;
+use crate::panel;
+use crate::state::State;
+
+/// How long a shutdown waits for clients of the panel.
+const SHUTDOWN: Duration = Duration::from_secs(2);
+
+/// A virtual controller that runs in tasks of its own. Dropping it stops it without waiting.
+#[derive(Debug)]
+pub struct VirtualController {
+    lines: Lines,
+    panel: Option<SocketAddr>,
+    stop: CancellationToken,
+    tracker: TaskTracker,
+}
+
+impl VirtualController {
+    /// Loads the programs, reserves the ports, opens the panel, and switches the controller on.
+    ///
+    /// # Errors
+    /// Anything that is wrong with the configuration, a program, or a port; nothing runs then.
+    ///
+    /// # Panics
+    /// Outside of a tokio runtime with I/O and time.
+    pub fn start(
+        config: &ControllerConfig,
+        clock: Clock,
+        labels: PeerLabels,
+    ) -> Result<Self, StartError> {
+        check_exposure(config)?;
+        let stop = CancellationToken::new();
+        let tracker = TaskTracker::new();
+        let (driver, lines) =
+            Driver::prepare(config, clock, labels, tracker.clone(), stop.clone())?;
+        let panel = config.panel.map(open_panel).transpose()?;
+        let panel = match panel {
+            None => None,
+            Some((listener, address)) => {
+                let router = panel::router(lines.commands.clone());
+                let stopped = stop.clone().cancelled_owned();
+                let _task = tracker.spawn(async move {
+                    let served = axum::serve(listener, router)
+                        .with_graceful_shutdown(stopped)
+                        .await;
+                    if let Err(error) = served {
+                        tracing::warn!(%error, "The panel stopped.");
+                    }
+                });
+                Some(address)
+            }
+        };
+        let _task = tracker.spawn(driver.run());
+        let _first = tracker.close();
+        Ok(Self {
+            lines,
+            panel,
+            stop,
+            tracker,
+        })
+    }
+
+    /// Where a port of the program is on this machine. Waits until a program has opened it.
+    ///
+    /// # Errors
+    /// The controller stopped.
+    pub async fn address_of_port(&self, port: u16) -> Result<SocketAddr, ControllerStopped> {
+        let mut addresses = self.lines.addresses.clone();
+        let found = addresses
+            .wait_for(|addresses| addresses.contains_key(&port))
+            .await;
+        found
+            .ok()
+            .and_then(|addresses| addresses.get(&port).copied())
+            .ok_or(ControllerStopped)
+    }
+
+    /// Where the panel is.
+    #[must_use]
+    pub fn panel_address(&self) -> Option<SocketAddr> {
+        self.panel
+    }
+
+    /// A snapshot.
+    ///
+    /// # Errors
+    /// The controller stopped.
+    pub async fn state(&self) -> Result<State, ControllerStopped> {
+        self.ask(Command::State).await
+    }
+
+    /// The whole ledger that is kept, oldest first.
+    ///
+    /// # Errors
+    /// The controller stopped.
+    pub async fn ledger(&self) -> Result<Vec<LedgerEntry>, ControllerStopped> {
+        self.ledger_after(0).await
+    }
+
+    /// Ledger entries above a number, oldest first.
+    ///
+    /// # Errors
+    /// The controller stopped.
+    pub async fn ledger_after(&self, after: u64) -> Result<Vec<LedgerEntry>, ControllerStopped> {
+        let page = self.ask(|answer| Command::Ledger { after, answer }).await?;
+        Ok(page.entries)
+    }
+
+    /// The alarms, oldest first.
+    ///
+    /// # Errors
+    /// The controller stopped.
+    pub async fn alarms(&self) -> Result<Vec<Alarm>, ControllerStopped> {
+        Ok(self.ask(Command::Alarms).await?.entries)
+    }
+
+    /// The last lines of the pendant's USER screen.
+    ///
+    /// # Errors
+    /// The controller stopped.
+    pub async fn screen(&self) -> Result<Vec<String>, ControllerStopped> {
+        self.ask(Command::Screen).await
+    }
+
+    /// ABORT ALL: every task ends, the arm brakes, connections close.
+    ///
+    /// # Errors
+    /// The controller stopped.
+    pub async fn abort_all(&self) -> Result<(), ControllerStopped> {
+        self.ask(Command::AbortAll).await
+    }
+
+    /// RESET: no alarm is active any more.
+    ///
+    /// # Errors
+    /// The controller stopped.
+    pub async fn reset(&self) -> Result<(), ControllerStopped> {
+        self.ask(Command::Reset).await
+    }
+
+    /// Snapshots as they come: at each event of the controller, not at each moment of a motion.
+    #[must_use]
+    pub fn subscribe(&self) -> watch::Receiver<State> {
+        self.lines.state.clone()
+    }
+
+    /// Stops the controller and waits until its ports are closed.
+    pub async fn shutdown(self) {
+        self.stop.cancel();
+        if tokio::time::timeout(SHUTDOWN, self.tracker.wait())
+            .await
+            .is_err()
+        {
+            tracing::warn!(
+                "A client of the panel holds its connection, the controller stops without it."
+            );
+        }
+    }
+
+    async fn ask<T>(
+        &self,
+        command: impl FnOnce(oneshot::Sender<T>) -> Command,
+    ) -> Result<T, ControllerStopped> {
+        ask(&self.lines.commands, command).await
+    }
+}
+
+impl Drop for VirtualController {
+    fn drop(&mut self) {
+        self.stop.cancel();
+    }
+}
+
+/// Puts a question to the driver and waits for the answer.
+pub(crate) async fn ask<T>(
+    commands: &mpsc::Sender<Command>,
+    command: impl FnOnce(oneshot::Sender<T>) -> Command,
+) -> Result<T, ControllerStopped> {
+    let (sender, answer) = oneshot::channel();
+    commands
+        .send(command(sender))
+        .await
+        .map_err(|_| ControllerStopped)?;
+    answer.await.map_err(|_| ControllerStopped)
+}
+
+fn check_exposure(config: &ControllerConfig) -> Result<(), StartError> {
+    if let Some(panel) = config.panel
+        && !panel.ip().is_loopback()
+    {
+        return Err(StartError::NotLoopback { ip: panel.ip() });
+    }
+    if config.ip.is_loopback() {
+        return Ok(());
+    }
+    match config.exposure {
+        Exposure::Loopback => Err(StartError::NotLoopback { ip: config.ip }),
+        Exposure::AnyAddress => {
+            tracing::warn!(
+                controller = %config.name, ip = %config.ip,
+                "The controller can be reached from other machines. It moves the arm for anybody who connects.",
+            );
+            Ok(())
+        }
+    }
+}
+
+fn open_panel(address: SocketAddr) -> Result<(tokio::net::TcpListener, SocketAddr), StartError> {
+    let open = || {
+        let listener = StdListener::bind(address)?;
+        listener.set_nonblocking(true)?;
+        let listener = tokio::net::TcpListener::from_std(listener)?;
+        let address = listener.local_addr()?;
+        Ok((listener, address))
+    };
+    open().map_err(|source| StartError::Panel { address, source })
+}

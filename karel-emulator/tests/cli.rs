@@ -1,0 +1,131 @@
+//! The binary: what it prints and what it exits with.
+
+use std::io::{BufRead, BufReader, Read};
+use std::process::{Command, Output, Stdio};
+
+const SERVER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../programs/sock_server.kl");
+
+fn emulator(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_karel-emulator"));
+    let _command = command.args(arguments);
+    command
+}
+
+fn run(arguments: &[&str]) -> (Option<i32>, String) {
+    let Output { status, stderr, .. } = emulator(arguments).output().expect("the binary is built");
+    (status.code(), String::from_utf8_lossy(&stderr).into_owned())
+}
+
+fn source(text: &str) -> tempfile::NamedTempFile {
+    let file = tempfile::Builder::new()
+        .suffix(".kl")
+        .tempfile()
+        .expect("a temporary file");
+    std::fs::write(file.path(), text).expect("a temporary file is writable");
+    file
+}
+
+#[test]
+fn check_says_nothing_about_a_good_program_and_points_at_an_error() {
+    assert_eq!(run(&["check", SERVER]).0, Some(0));
+    let bad = source("PROGRAM a\nBEGIN\n  x = = 1\nEND a\n");
+    let (code, text) = run(&["check", bad.path().to_str().unwrap()]);
+    assert_eq!(code, Some(1));
+    assert!(text.contains(":3:") && text.contains('^'), "{text}");
+}
+
+#[test]
+fn what_cannot_run_is_one_sentence_and_exit_code_two() {
+    let not_karel = source("print('hello')\n");
+    let not_karel = not_karel.path().to_str().unwrap();
+    for (arguments, words) in [
+        (
+            &["run", "/no/such/file.kl"][..],
+            &["reading /no/such/file.kl"][..],
+        ),
+        (
+            &["check", "/no/such/file.kl"],
+            &["reading /no/such/file.kl"],
+        ),
+        (
+            &["run", not_karel, "--panel", "off"],
+            &["does not start", "not a correct KAREL program"],
+        ),
+        (&["run", SERVER, "--port-map", "59002"], &["PORT=HOST"]),
+        (&["run", SERVER, "--panel", "nowhere"], &["panel's address"]),
+        (
+            &["run", SERVER, "--panel", "0.0.0.0:0"],
+            &["not a loopback address"],
+        ),
+        (
+            &["run", SERVER, "--panel", "off", "--ip", "0.0.0.0"],
+            &["not a loopback address"],
+        ),
+        (
+            &["run", SERVER, "--panel", "off", "--home", "0,0,0,0,0"],
+            &["six joints"],
+        ),
+        (
+            &["run", SERVER, "--panel", "off", "--home", "0,0,0,0,-150,0"],
+            &["J5", "140"],
+        ),
+        (
+            &["run", SERVER, "--panel", "off", "--model", "puma"],
+            &["puma", "fanuc-m20ia"],
+        ),
+        (
+            &["run", SERVER, "--panel", "off", "--time-scale", "0"],
+            &["time scale"],
+        ),
+        (
+            &["run", SERVER, "--panel", "off", "--program", "nosuch"],
+            &["nosuch"],
+        ),
+        (&["run"], &["<FILE>"]),
+    ] {
+        let (code, text) = run(arguments);
+        assert_eq!(code, Some(2), "{arguments:?}: {text}");
+        for word in words {
+            assert!(
+                text.contains(word),
+                "{word:?} for {arguments:?} in {text:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn run_serves_until_it_is_terminated() {
+    let mut child = emulator(&[
+        "run",
+        SERVER,
+        "--port-map",
+        "59002=0",
+        "--panel",
+        "127.0.0.1:0",
+    ])
+    .env("NO_COLOR", "1")
+    .stderr(Stdio::piped())
+    .spawn()
+    .expect("the binary is built");
+    let mut log = BufReader::new(child.stderr.take().expect("piped"));
+    let (mut line, mut seen) = (String::new(), String::new());
+    while !line.contains("is open at") {
+        line.clear();
+        let count = log.read_line(&mut line).expect("readable");
+        assert_ne!(count, 0, "it ended early: {seen}");
+        seen.push_str(&line);
+    }
+    let kill = format!("kill -TERM {}", child.id());
+    assert!(
+        Command::new("sh")
+            .args(["-c", &kill])
+            .status()
+            .expect("a shell")
+            .success()
+    );
+    let _rest = log.read_to_string(&mut seen).expect("readable");
+    let status = child.wait().expect("it ends");
+    assert!(status.success(), "{status}: {seen}");
+    assert!(seen.contains("The controller is off"), "{seen}");
+}

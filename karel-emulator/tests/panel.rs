@@ -1,0 +1,70 @@
+//! The panel answers, whatever the program does.
+
+mod common;
+
+use common::{LINE, Stepped, call, config_of, http_get, sock_server, within};
+use karel_emulator::{Clock, ControllerConfig, PeerLabels, StartError, VirtualController};
+
+fn with_panel(mut config: ControllerConfig) -> ControllerConfig {
+    config.panel = Some(([127, 0, 0, 1], 0).into());
+    config
+}
+
+#[tokio::test]
+async fn an_endless_loop_in_a_program_does_not_stop_the_panel() {
+    let program = "PROGRAM busy\nVAR n : INTEGER\nBEGIN\nn = 0\nWHILE TRUE DO\nn = 1 - n\nENDWHILE\nEND busy\n";
+    let config = with_panel(config_of(program, &[]));
+    let controller = VirtualController::start(&config, Clock::real(), PeerLabels::new()).unwrap();
+    let panel = controller.panel_address().unwrap();
+    let mut last = 0.0;
+    for _ in 0..20 {
+        let answer = http_get(panel, "/state", "localhost").await;
+        let body = answer.split("\r\n\r\n").nth(1).unwrap();
+        let state: serde_json::Value = serde_json::from_str(body).unwrap();
+        assert_eq!(state["tasks"][0]["state"], "running");
+        assert!(state["time_s"].as_f64().unwrap() >= last);
+        last = state["time_s"].as_f64().unwrap();
+    }
+    within(controller.shutdown()).await;
+}
+
+#[tokio::test]
+async fn the_panel_shows_the_ledger_from_a_number_on() {
+    let cell = Stepped::start(&with_panel(sock_server()));
+    let _reply = call(cell.address().await, LINE).await;
+    cell.until_standstill().await;
+    let panel = cell.controller.panel_address().unwrap();
+    let answer = http_get(panel, "/ledger?after=1", "127.0.0.1").await;
+    let body = answer.split("\r\n\r\n").nth(1).unwrap();
+    let list: serde_json::Value = serde_json::from_str(body).unwrap();
+    assert_eq!(list["dropped"], 0);
+    assert_eq!(list["entries"].as_array().unwrap().len(), 1);
+    assert_eq!(list["entries"][0]["event"], "finished");
+    let page = http_get(panel, "/", "localhost").await;
+    assert!(page.starts_with("HTTP/1.1 200") && page.contains("<!doctype html>"));
+}
+
+#[tokio::test]
+async fn what_the_panel_does_not_have_it_says_in_json() {
+    let cell = Stepped::start(&with_panel(sock_server()));
+    let panel = cell.controller.panel_address().unwrap();
+    let answer = http_get(panel, "/no/such", "localhost").await;
+    assert!(answer.starts_with("HTTP/1.1 404"), "{answer}");
+    assert!(answer.contains("application/problem+json") && answer.contains("/no/such"));
+    let answer = http_get(panel, "/ledger?after=x", "localhost").await;
+    assert!(answer.starts_with("HTTP/1.1 400"), "{answer}");
+    let answer = http_get(panel, "/state", "evil.example").await;
+    assert!(answer.starts_with("HTTP/1.1 403"), "{answer}");
+}
+
+#[tokio::test]
+async fn only_loopback_is_opened_without_permission() {
+    let mut config = with_panel(sock_server());
+    config.panel = Some(([0, 0, 0, 0], 0).into());
+    let started = VirtualController::start(&config, Clock::real(), PeerLabels::new());
+    assert!(matches!(started, Err(StartError::NotLoopback { .. })));
+    let mut config = sock_server();
+    config.ip = [0, 0, 0, 0].into();
+    let started = VirtualController::start(&config, Clock::real(), PeerLabels::new());
+    assert!(matches!(started, Err(StartError::NotLoopback { .. })));
+}
