@@ -104,7 +104,9 @@ impl Robot {
 
     fn link_problem(&self, motion: Option<Uuid>, error: &LinkError) -> Problem {
         let problem = match error.outcome() {
-            Outcome::NotSent | Outcome::None => Problem::not_sent(error.code(), error.chain()),
+            Outcome::NotSent | Outcome::None => {
+                Problem::not_sent(error.code(), error.chain()).retryable()
+            }
             Outcome::Unknown | Outcome::Rejected => Problem::new(
                 error.code(),
                 format!("{}; the robot may have moved", error.chain()),

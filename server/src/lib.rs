@@ -1,4 +1,44 @@
 //! HTTP API, controller links and cell state.
+//!
+//! A request becomes a checked command, the command waits for the one task that owns its robot's socket, and what the
+//! controller answers becomes the response. Nothing here knows a file or a command line: the caller gives a listener,
+//! a checked [`Plan`], the [`Seams`] and a token that stops it.
+//!
+//! ```text
+//! connection ── edge ── route ── target ──────────── link ─────────────── controller
+//!  serve.rs     id,     JSON     rounding,           queue, deadline,     one connection
+//!  stall.rs     time,   to       inverse             one owner task,      a command
+//!               problem units    kinematics, limits  at most one send
+//! ```
+//!
+//! What is promised of a command: it is sent at most once; an answer says `NOT_SENT`, `REJECTED` or, where the robot
+//! may have moved, `UNKNOWN`. It is not a safety function: emergency stop and guards stay hard-wired in the controller.
+//!
+//! ```
+//! use std::sync::Arc;
+//!
+//! use server::config::{CellSection, RobotSection, ServerSection};
+//! use server::{Plan, Seams, SystemClock, TcpConnector};
+//! use tokio::net::TcpListener;
+//! use tokio_util::sync::CancellationToken;
+//!
+//! # #[tokio::main]
+//! # async fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let cell = CellSection {
+//!     id: "cell-1".to_owned(),
+//!     name: None,
+//!     robots: vec![RobotSection::new("arm", "fanuc-m20ia", "127.0.0.1:59002")],
+//! };
+//! let plan = Plan::try_new(&ServerSection::default(), &[cell])?;
+//! let seams = Seams { connector: TcpConnector::default(), clock: Arc::new(SystemClock) };
+//! let listener = TcpListener::bind("127.0.0.1:0").await?;
+//! let stop = CancellationToken::new();
+//! let serving = tokio::spawn(server::run(listener, plan, seams, stop.clone()));
+//! stop.cancel();
+//! serving.await??;
+//! # Ok(())
+//! # }
+//! ```
 
 mod clock;
 mod commands;
@@ -15,6 +55,7 @@ mod request_id;
 mod router;
 mod routes;
 mod serve;
+mod stall;
 mod state;
 mod target;
 mod wire_bodies;

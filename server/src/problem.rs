@@ -88,11 +88,17 @@ impl Problem {
         self
     }
 
-    /// The same request may succeed later: in a second, as far as the server can tell.
-    pub(crate) fn retry_after_a_second(mut self) -> Self {
+    /// The same request may succeed later.
+    pub(crate) fn retryable(mut self) -> Self {
         self.0.body.retryable = true;
-        self.0.retry_after = Some(HeaderValue::from_static("1"));
         self
+    }
+
+    /// The same request may succeed later: in a second, as far as the server can tell.
+    pub(crate) fn retry_after_a_second(self) -> Self {
+        let mut this = self.retryable();
+        this.0.retry_after = Some(HeaderValue::from_static("1"));
+        this
     }
 
     /// The answer, complete.

@@ -18,6 +18,7 @@ use crate::config::{Plan, ServerPlan};
 use crate::link::Connector;
 use crate::openapi;
 use crate::router;
+use crate::stall::StallGuard;
 use crate::state::{App, Seams};
 
 /// The most headers of one request.
@@ -109,6 +110,7 @@ async fn serve<L: Listener>(
         let Some((stream, _peer)) = stop.run_until_cancelled(listener.accept()).await else {
             break;
         };
+        let stream = StallGuard::new(stream, limits.write_timeout);
         let service = TowerToHyperService::new(router.clone());
         let connection = http.serve_connection(TokioIo::new(stream), service);
         let connection = graceful.watch(connection);

@@ -29,6 +29,8 @@ pub struct ServerSection {
     pub header_timeout_ms: u64,
     /// How long a request's body may take to arrive, in milliseconds.
     pub body_timeout_ms: u64,
+    /// How long a caller may take nothing of its answer, in milliseconds.
+    pub write_timeout_ms: u64,
     /// How long a request may take in all, in milliseconds.
     pub request_timeout_ms: u64,
     /// How long requests may still run after the server was told to stop, in milliseconds.
@@ -47,6 +49,7 @@ impl Default for ServerSection {
             max_body_bytes: 64 * 1024,
             header_timeout_ms: 5_000,
             body_timeout_ms: 10_000,
+            write_timeout_ms: 10_000,
             request_timeout_ms: 75_000,
             shutdown_timeout_ms: 10_000,
             max_connections: 256,

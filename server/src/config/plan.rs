@@ -27,6 +27,7 @@ pub struct ServerPlan {
     pub(crate) max_body_bytes: usize,
     pub(crate) header_timeout: Duration,
     pub(crate) body_timeout: Duration,
+    pub(crate) write_timeout: Duration,
     pub(crate) request_timeout: Duration,
     pub(crate) shutdown_timeout: Duration,
     pub(crate) max_connections: usize,
@@ -99,6 +100,7 @@ impl ServerPlan {
             )?,
             header_timeout: millis("header_timeout_ms", section.header_timeout_ms, 1, 60_000)?,
             body_timeout,
+            write_timeout: millis("write_timeout_ms", section.write_timeout_ms, 1, 60_000)?,
             // Longer than anything a handler waits for on its own, so that it only ends what is stuck.
             request_timeout: millis(
                 "request_timeout_ms",

@@ -120,7 +120,9 @@ impl Connector for TcpConnector {
     }
 
     fn before_send(&self, stream: &TcpStream, request_id: &str) {
-        if let (Some(label), Ok(local)) = (&self.label, stream.local_addr()) {
+        if let Some(label) = &self.label
+            && let Ok(local) = stream.local_addr()
+        {
             label(local, request_id);
         }
     }

@@ -83,6 +83,9 @@ impl<C: Connector> Exchange<'_, C> {
     ) -> Result<Answered<C::Stream>, LinkError> {
         self.connector.before_send(&stream, self.request_id);
         let started = Instant::now();
+        if started >= self.deadline {
+            return Err(LinkError::DeadlinePassed);
+        }
         let limit = self.deadline.min(started + self.plan.reply_timeout);
         write(&mut stream, command, limit).await?;
         received.clear();

@@ -2,7 +2,9 @@
 
 use std::time::Duration;
 
-use api::{Motion, MotionBody, MotionList, MotionType, ProblemCode, TargetBody, Violation};
+use api::{
+    Motion, MotionBody, MotionList, MotionType, Outcome, ProblemCode, TargetBody, Violation,
+};
 use axum::Json;
 use axum::http::{HeaderName, StatusCode, header};
 use units::MmPerSec;
@@ -69,6 +71,7 @@ pub(super) async fn create_motion(
         .map_err(|failure| problem_of(&robot, failure))?;
     let motion = robot.motions.get(accepted.motion).ok_or_else(|| {
         Problem::new(ProblemCode::Internal, "the motion was forgotten at once")
+            .outcome(Outcome::Unknown)
             .motion(Some(accepted.motion))
     })?;
     let location = format!(

@@ -182,3 +182,17 @@ async fn a_web_page_from_elsewhere_cannot_send_the_robot_home() {
     assert!(said.starts_with("HTTP/1.1 421"), "{said}");
     robot.assert_untouched();
 }
+
+#[tokio::test]
+async fn a_caller_that_never_reads_loses_its_connection() {
+    let robot = FakeRobot::accepting().await;
+    let section = ServerSection {
+        write_timeout_ms: 50,
+        ..ServerSection::default()
+    };
+    let server = with(section, &robot).await;
+    let mut stream = TcpStream::connect(server.address).await.unwrap();
+    let request = b"GET /docs/swagger-ui-bundle.js HTTP/1.1\r\nhost: localhost\r\n\r\n";
+    // Without the limit this would wait for ever, once the buffers on the way are full.
+    while stream.write_all(request).await.is_ok() {}
+}
