@@ -59,6 +59,12 @@ impl TestCell {
         Ok((cell, stepper))
     }
 
+    /// Where the server listens.
+    #[must_use]
+    pub fn server_address(&self) -> SocketAddr {
+        self.server.address()
+    }
+
     /// A client of the server.
     #[must_use]
     pub fn client(&self) -> &Client {

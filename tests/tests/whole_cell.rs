@@ -8,7 +8,7 @@ use api::{
 };
 use client::{ClientError, Page};
 use karel_emulator::{LedgerEntry, LedgerEvent};
-use tests::{Direction, Mode, TestCell, while_stepping};
+use tests::{Direction, Look, Mode, TestCell, wait_until, while_stepping};
 
 /// Long enough for a slow machine, and never waited for in full when all is well.
 const LONG: Duration = Duration::from_secs(30);
@@ -102,6 +102,30 @@ async fn one_request_id_runs_from_the_client_to_the_ledger() -> anyhow::Result<(
 
     let told = cell.panel()?.ledger(None).await?;
     assert_eq!(told.entries[0].request_id.as_deref(), Some("end-to-end-1"));
+    cell.shutdown().await
+}
+
+#[tokio::test]
+async fn the_panel_tells_what_the_controller_knows() -> anyhow::Result<()> {
+    let cell = TestCell::start().await?;
+    let motion = cell.robot().create_motion(&to(POSE)).await?;
+    let _ = cell.wait_until_finished(1, LONG).await?;
+    let panel = cell.panel()?;
+    // The program answers before it starts the motion and hangs up after that: its end of the connection tells.
+    let told = wait_until(
+        "a controller that stands still",
+        LONG,
+        async || match panel.state().await {
+            Ok(state) if state.is_still() => Look::Ready(state),
+            other => Look::not_yet(format!("{other:?}")),
+        },
+    )
+    .await?;
+    assert_near(told.joints_deg.into(), motion.expected_joints);
+    assert_eq!(told.ledger_seq, 2);
+    assert_eq!(told.limits_deg.len(), 6);
+    assert_eq!(panel.ledger(Some(1)).await?.entries.len(), 1);
+    assert_eq!(panel.alarms().await?.entries, []);
     cell.shutdown().await
 }
 

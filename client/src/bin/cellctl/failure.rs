@@ -161,7 +161,7 @@ fn exit_of(error: &ClientError) -> Exit {
 fn problem_text(problem: &Problem) -> String {
     let mut text = format!("{}: {}", problem.title, problem.detail);
     for violation in &problem.violations {
-        let _ = write!(text, "\n  {}", violation_text(violation));
+        let _ = write!(text, "\n  {}", violation_text(violation, &problem.detail));
     }
     if let Some(words) = &problem.controller_text {
         let _ = write!(text, "\nThe controller said: {words}");
@@ -175,7 +175,8 @@ fn problem_text(problem: &Problem) -> String {
     text
 }
 
-fn violation_text(violation: &Violation) -> String {
+/// One thing wrong with its value and limits; its message, too, unless the `detail` above it says the same.
+fn violation_text(violation: &Violation, detail: &str) -> String {
     let Violation {
         item,
         message,
@@ -199,7 +200,10 @@ fn violation_text(violation: &Violation) -> String {
         }
         (None, None) => {}
     }
-    format!("{text}: {message}")
+    if !detail.contains(message) {
+        let _ = write!(text, ": {message}");
+    }
+    text
 }
 
 fn list(sentence: &str, items: &[String]) -> String {

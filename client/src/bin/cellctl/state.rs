@@ -41,7 +41,7 @@ fn sentences(state: &RobotState) -> String {
         ),
     ];
     if let Some(at) = state.link.last_answer_at {
-        facts.push(("answered", at.to_string()));
+        facts.push(("answered", format!("{at:.3}")));
     }
     if let Some(failure) = state.link.last_failure {
         facts.push(("failure", failure.title().to_owned()));
