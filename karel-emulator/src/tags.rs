@@ -5,7 +5,6 @@
 //! itself slows the peer down.
 
 use std::net::SocketAddr;
-use std::time::Duration;
 
 use karel::{Status, TaskId};
 
@@ -151,6 +150,3 @@ impl Connection {
         self.unsent == 0 || self.unsent + count <= SEND_LIMIT
     }
 }
-
-/// How long a `MSG_CONNECT` that fails at once takes, so that a program that retries in a loop stays harmless.
-pub const FAILED_CONNECT_TIME: Duration = Duration::from_millis(1);

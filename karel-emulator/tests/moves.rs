@@ -49,7 +49,7 @@ async fn the_ledger_says_who_moved_the_arm_where_from_where_and_how_long() {
     for entry in [started, finished] {
         assert_eq!(entry.peer, Some(peer));
         assert_eq!(entry.request_id.as_deref(), Some("req-42"));
-        assert_eq!(entry.program, "SOCKSERVER");
+        assert_eq!(entry.program, "SOCK_SERVER");
         assert!(entry.line > 0);
         assert_eq!(entry.override_percent, 25);
         assert!((entry.speed_mm_s - 300.0).abs() < 1e-9);

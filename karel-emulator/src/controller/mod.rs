@@ -4,7 +4,8 @@
 //! byte: nothing here reads a clock, waits, or iterates in the order of a hash.
 //!
 //! Tasks run in turn. Each may execute a number of instructions in a millisecond of controller time
-//! ([`crate::config::Limits::instructions_per_ms`]); an endless loop spends its share and rests.
+//! ([`crate::config::Limits::instructions_per_ms`]), anew after each wait that something else ended; an endless loop
+//! spends its share and rests.
 
 mod load;
 mod snapshot;
@@ -287,6 +288,8 @@ impl Controller {
                     && wake.ends(wait)
                 {
                     task.phase = Phase::Ready;
+                    // Something happened that it did not do itself, so it is no endless loop.
+                    task.share = self.limits.instructions_per_ms;
                 }
             }
         }

@@ -53,8 +53,6 @@ pub(crate) struct Hardware {
     origins: BTreeMap<TaskId, Origin>,
     /// Why the last call of a task failed, in more words than a status has.
     refusals: BTreeMap<TaskId, Refusal>,
-    /// Until when a `MSG_CONNECT` that failed at once is held back.
-    penalties: BTreeMap<TaskId, Duration>,
 }
 
 /// What the executor carries for each motion.
@@ -133,7 +131,6 @@ impl Hardware {
             outcomes: VecDeque::new(),
             origins: BTreeMap::new(),
             refusals: BTreeMap::new(),
-            penalties: BTreeMap::new(),
         }
     }
 

@@ -5,7 +5,7 @@ use karel::{FileId, Input, InputEnd, OpenMode, Progress, Status, TaskId, Wait};
 use super::{Hardware, OpenFile, Origin, Wake};
 use crate::alarms::Severity;
 use crate::effects::{ConnectionId, Effect, Event, Tag};
-use crate::tags::{Connection, FAILED_CONNECT_TIME, HOST_NOT_CONNECTED, ServerTag, TagState};
+use crate::tags::{Connection, HOST_NOT_CONNECTED, ServerTag, TagState};
 
 /// `$STATE` of a tag that programs may use.
 const TAG_STARTED: i32 = 3;
@@ -14,24 +14,12 @@ const TAG_STARTED: i32 = 3;
 const OPEN_FILES: usize = 64;
 
 impl Hardware {
-    /// `MSG_CONNECT`: listens, waits, and reports the client; a failure takes at least [`FAILED_CONNECT_TIME`].
+    /// `MSG_CONNECT`: listens, waits, and reports the client. The machine makes a failure take its time.
     pub(super) fn connect(&mut self, task: TaskId, name: &str) -> Progress<Status> {
-        if let Some(&until) = self.penalties.get(&task) {
-            if self.now < until {
-                return Progress::Pending(Wait::Until(until));
-            }
-            let _over = self.penalties.remove(&task);
-            return Progress::Ready(Status::HOST_TAG);
-        }
-        match self.try_connect(task, name) {
-            Ok(progress) => progress,
-            Err(status) => {
-                tracing::debug!(controller = %self.name, tag = name, "MSG_CONNECT failed with {status}.");
-                let until = self.now + FAILED_CONNECT_TIME;
-                let _previous = self.penalties.insert(task, until);
-                Progress::Pending(Wait::Until(until))
-            }
-        }
+        self.try_connect(task, name).unwrap_or_else(|status| {
+            tracing::debug!(controller = %self.name, tag = name, "MSG_CONNECT fails with {status}.");
+            Progress::Ready(status)
+        })
     }
 
     fn try_connect(&mut self, task: TaskId, name: &str) -> Result<Progress<Status>, Status> {
@@ -280,7 +268,6 @@ impl Hardware {
                 self.effects.push(Effect::StopListening { tag: slot.tag });
             }
         }
-        let _penalty = self.penalties.remove(&task);
     }
 
     /// ABORT ALL: connections close, too.

@@ -2,8 +2,8 @@
 
 use karel::{Config, Position, Status, XyzwprExt};
 use kinematics::{
-    ArmModel, Configuration, Elbow, Flip, Frames, Front, IkError, PendantJoints, Pose, PoseError,
-    Seed, Xyzwpr,
+    ArmModel, Configuration, Elbow, Flip, Frames, Front, IkError, Obstacle, PendantJoints, Pose,
+    PoseError, Seed, Xyzwpr,
 };
 use units::{Degrees, Millimeters};
 
@@ -169,13 +169,21 @@ pub fn pose_of_target(target: &XyzwprExt) -> PoseMmDeg {
 }
 
 fn ik_refusal(error: &IkError) -> Refusal {
-    if let IkError::JointLimit { violations, .. } = error {
-        Refusal::new(Status::MOTN_LIMIT, format!("Limit error: {violations}"))
-    } else {
-        Refusal::new(
+    match error {
+        IkError::JointLimit { violations, .. }
+        | IkError::NoSolutionInConfiguration {
+            obstacle: Obstacle::Limits(violations),
+            ..
+        } => Refusal::new(Status::MOTN_LIMIT, format!("Limit error: {violations}")),
+        IkError::OutOfReach { .. }
+        | IkError::NoSolutionInConfiguration {
+            obstacle: Obstacle::OutOfReach,
+            ..
+        }
+        | IkError::NotFinite(_) => Refusal::new(
             Status::MOTN_UNREACHABLE,
             format!("Position not reachable: {error}"),
-        )
+        ),
     }
 }
 
