@@ -8,7 +8,7 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 use crate::ClientError;
-use crate::http::Effect;
+use crate::http::{Effect, REQUEST_ID};
 
 /// The largest body this client reads, in bytes. A larger one is a [`ClientError::Protocol`].
 pub const MAX_ANSWER_BYTES: usize = 1024 * 1024;
@@ -84,6 +84,7 @@ pub(crate) struct Answer {
 impl Answer {
     /// Reads the body, at most [`MAX_ANSWER_BYTES`] of it.
     pub(crate) async fn read(call: Call, mut response: Response) -> Result<Self, ClientError> {
+        let answers = response.headers().get(REQUEST_ID).cloned();
         let mut answer = Self {
             status: response.status(),
             is_problem: is_problem(&response),
@@ -100,10 +101,20 @@ impl Answer {
                         answer.strange(format!("a body of more than {MAX_ANSWER_BYTES} bytes"))
                     );
                 }
-                Ok(None) => return Ok(answer),
+                Ok(None) => break,
                 Err(error) => return Err(answer.call.broken(error)),
             }
         }
+        match answers {
+            Some(id) if id.as_bytes() != answer.call.request_id.as_bytes() => {
+                Err(answer.strange("the id of another request".to_owned()))
+            }
+            Some(_) | None => Ok(answer),
+        }
+    }
+
+    pub(crate) fn status(&self) -> StatusCode {
+        self.status
     }
 
     /// This answer, if its status says yes.

@@ -38,6 +38,12 @@ pub enum ClientError {
         /// What is wrong with it.
         reason: String,
     },
+    /// The id given to [`crate::Client::with_request_id`] is none.
+    #[error("`{id}` is no request id: 1 to 64 of A-Z, a-z, 0-9, `.`, `_` and `-`")]
+    RequestId {
+        /// The id as given.
+        id: String,
+    },
     /// No connection: nothing was sent.
     #[error("{url} cannot be reached")]
     Unreachable {
@@ -103,9 +109,10 @@ impl ClientError {
             | Self::Timeout { outcome, .. }
             | Self::Interrupted { outcome, .. }
             | Self::Protocol { outcome, .. } => *outcome,
-            Self::Invalid { .. } | Self::BaseUrl { .. } | Self::Unreachable { .. } => {
-                Outcome::NotSent
-            }
+            Self::Invalid { .. }
+            | Self::BaseUrl { .. }
+            | Self::RequestId { .. }
+            | Self::Unreachable { .. } => Outcome::NotSent,
         }
     }
 
@@ -117,6 +124,7 @@ impl ClientError {
             Self::Refused { status, .. } | Self::Protocol { status, .. } => Some(*status),
             Self::Invalid { .. } => Some(422),
             Self::BaseUrl { .. }
+            | Self::RequestId { .. }
             | Self::Unreachable { .. }
             | Self::Timeout { .. }
             | Self::Interrupted { .. } => None,
@@ -133,7 +141,7 @@ impl ClientError {
             | Self::Timeout { request_id, .. }
             | Self::Interrupted { request_id, .. }
             | Self::Protocol { request_id, .. } => Some(request_id),
-            Self::BaseUrl { .. } | Self::Unreachable { .. } => None,
+            Self::BaseUrl { .. } | Self::RequestId { .. } | Self::Unreachable { .. } => None,
         }
     }
 
@@ -145,6 +153,7 @@ impl ClientError {
             Self::Refused { .. }
             | Self::Invalid { .. }
             | Self::BaseUrl { .. }
+            | Self::RequestId { .. }
             | Self::Unreachable { .. }
             | Self::Timeout { .. }
             | Self::Interrupted { .. }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use reqwest::{Method, RequestBuilder, Url};
+use reqwest::{Method, RequestBuilder, StatusCode, Url};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use uuid::Uuid;
@@ -10,7 +10,12 @@ use uuid::Uuid;
 use crate::ClientError;
 use crate::answer::{Answer, Call};
 
-const REQUEST_ID: &str = "x-request-id";
+/// How long an idle connection is kept. Servers close theirs after some seconds; a command that meets such a close on its
+/// way would be in doubt for nothing.
+const IDLE: Duration = Duration::from_secs(2);
+/// The longest id the server takes for its own.
+const MAX_REQUEST_ID: usize = 64;
+pub(crate) const REQUEST_ID: &str = "x-request-id";
 
 /// How long to wait for what.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,6 +78,7 @@ impl Http {
             .redirect(reqwest::redirect::Policy::none())
             .retry(reqwest::retry::never())
             .connect_timeout(timeouts.connect)
+            .pool_idle_timeout(IDLE)
             .build()
             .map_err(|error| refuse(error.to_string()))?;
         Ok(Self {
@@ -83,11 +89,17 @@ impl Http {
         })
     }
 
-    pub(crate) fn with_request_id(&self, request_id: &str) -> Self {
-        Self {
+    pub(crate) fn with_request_id(&self, request_id: &str) -> Result<Self, ClientError> {
+        let legal = |byte: u8| byte.is_ascii_alphanumeric() || matches!(byte, b'.' | b'_' | b'-');
+        if !(1..=MAX_REQUEST_ID).contains(&request_id.len()) || !request_id.bytes().all(legal) {
+            return Err(ClientError::RequestId {
+                id: request_id.to_owned(),
+            });
+        }
+        Ok(Self {
             request_id: Some(request_id.to_owned()),
             ..self.clone()
-        }
+        })
     }
 
     pub(crate) fn get(&self, path: &[&str], effect: Effect) -> Exchange {
@@ -148,12 +160,25 @@ impl Exchange {
 
     /// Sends the request and reads a JSON answer.
     pub(crate) async fn json<T: DeserializeOwned>(self) -> Result<T, ClientError> {
-        self.send().await?.json()
+        self.send().await?.success()?.json()
+    }
+
+    /// As [`Exchange::json`], where an answer with this status is a value, too.
+    pub(crate) async fn json_even_at<T: DeserializeOwned>(
+        self,
+        status: StatusCode,
+    ) -> Result<T, ClientError> {
+        let answer = self.send().await?;
+        if answer.status() == status {
+            answer.json()
+        } else {
+            answer.success()?.json()
+        }
     }
 
     /// Sends the request and reads a text answer.
     pub(crate) async fn text(self) -> Result<String, ClientError> {
-        self.send().await?.text()
+        self.send().await?.success()?.text()
     }
 
     async fn send(self) -> Result<Answer, ClientError> {
@@ -161,6 +186,6 @@ impl Exchange {
             Ok(response) => response,
             Err(error) => return Err(self.call.broken(error)),
         };
-        Answer::read(self.call, response).await?.success()
+        Answer::read(self.call, response).await
     }
 }

@@ -1,12 +1,14 @@
-use api::{CellSummary, LegacyVersion, RobotSummary};
+use api::{CellSummary, LegacyVersion, Liveness, Readiness, RobotSummary};
+use reqwest::StatusCode;
 
-use crate::http::{Effect, Http};
+use crate::http::{Effect, Exchange, Http};
 use crate::{ClientError, Robot, Timeouts};
 
 /// The server's HTTP API. Cheap to clone.
 ///
 /// Each call sends an `X-Request-Id`, a fresh one unless [`Client::with_request_id`] set it; the server logs it,
-/// writes it into motions and problems, and hands it to the virtual controller's ledger.
+/// writes it into motions and problems, and hands it to the virtual controller's ledger. An answer that carries the id
+/// of another request is not believed.
 #[derive(Clone, Debug)]
 pub struct Client {
     pub(crate) http: Http,
@@ -31,13 +33,13 @@ impl Client {
         Http::new(base_url, timeouts).map(|http| Self { http })
     }
 
-    /// This client, with every request named `request_id`: 1 to 64 of `[A-Za-z0-9._-]`. The server puts an id of its
-    /// own in the place of any other.
-    #[must_use]
-    pub fn with_request_id(&self, request_id: &str) -> Self {
-        Self {
-            http: self.http.with_request_id(request_id),
-        }
+    /// This client, with every request named `request_id`, so that a caller's own id runs through all logs.
+    ///
+    /// # Errors
+    /// [`ClientError::RequestId`] if it is not 1 to 64 of `[A-Za-z0-9._-]`: the server takes no other.
+    pub fn with_request_id(&self, request_id: &str) -> Result<Self, ClientError> {
+        let http = self.http.with_request_id(request_id)?;
+        Ok(Self { http })
     }
 
     /// One robot of one cell. Nothing is sent: whether it exists is known at the first call.
@@ -80,20 +82,22 @@ impl Client {
         self.question(&["version"]).json().await
     }
 
-    /// Succeeds if the server's process answers.
+    /// Asks whether the server's process answers.
     ///
     /// # Errors
     /// As all calls: see [`ClientError`].
-    pub async fn livez(&self) -> Result<(), ClientError> {
-        self.question(&["livez"]).text().await.map(drop)
+    pub async fn livez(&self) -> Result<Liveness, ClientError> {
+        self.question(&["livez"]).json().await
     }
 
-    /// Succeeds if the server takes commands.
+    /// Asks whether the server takes commands. A server that says no is an answer, not an error.
     ///
     /// # Errors
     /// As all calls: see [`ClientError`].
-    pub async fn readyz(&self) -> Result<(), ClientError> {
-        self.question(&["readyz"]).text().await.map(drop)
+    pub async fn readyz(&self) -> Result<Readiness, ClientError> {
+        self.question(&["readyz"])
+            .json_even_at(StatusCode::SERVICE_UNAVAILABLE)
+            .await
     }
 
     /// The server's metrics in the Prometheus text format.
@@ -104,7 +108,7 @@ impl Client {
         self.question(&["metrics"]).text().await
     }
 
-    fn question(&self, path: &[&str]) -> crate::http::Exchange {
+    fn question(&self, path: &[&str]) -> Exchange {
         self.http.get(path, Effect::Question)
     }
 }

@@ -1,6 +1,6 @@
 //! Command lines that make no sense: exit code 2, and nothing is sent.
 
-use crate::fake::{Answer, Fake, cellctl};
+use crate::fake::{Answer, Fake, cellctl, cellctl_in};
 use crate::samples;
 
 #[tokio::test]
@@ -77,6 +77,13 @@ async fn an_address_that_is_none_is_a_matter_of_usage() {
             "{ran:?}"
         );
     }
+}
+
+#[tokio::test]
+async fn an_empty_name_in_the_environment_names_nothing() {
+    let ran = cellctl_in(&[("ROBOCELL_ROBOT", "")], &["home"]).await;
+    assert_eq!(ran.code, 2, "{ran:?}");
+    assert!(ran.stderr.contains("--robot <ID>"), "{ran:?}");
 }
 
 #[tokio::test]

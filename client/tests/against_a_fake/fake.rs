@@ -33,6 +33,8 @@ pub(crate) enum Answer {
         media_type: &'static str,
         body: String,
     },
+    /// A success with this request id instead of the one that was sent.
+    OfAnother(&'static str),
     /// Never answers.
     Silence,
 }
@@ -108,7 +110,13 @@ async fn answer(
         body: serde_json::from_slice(&body).unwrap_or(Value::Null),
     };
     let answer = script(&request);
+    let sent_id = request.request_id.clone();
     seen.lock().unwrap().push(request);
+    let id = match &answer {
+        Answer::OfAnother(id) => Some((*id).to_owned()),
+        Answer::Json(_) | Answer::Problem(_) => sent_id,
+        Answer::Raw { .. } | Answer::Silence => None,
+    };
     let (status, media_type, body) = match answer {
         Answer::Json(value) => (200, "application/json", value.to_string()),
         Answer::Problem(problem) => (
@@ -121,13 +129,16 @@ async fn answer(
             media_type,
             body,
         } => (status, media_type, body),
+        Answer::OfAnother(_) => (200, "application/json", "[]".to_owned()),
         Answer::Silence => std::future::pending().await,
     };
-    Response::builder()
+    let mut response = Response::builder()
         .status(status)
-        .header(header::CONTENT_TYPE, media_type)
-        .body(Body::from(body))
-        .unwrap()
+        .header(header::CONTENT_TYPE, media_type);
+    if let Some(id) = id {
+        response = response.header("x-request-id", id);
+    }
+    response.body(Body::from(body)).unwrap()
 }
 
 /// What a run of `cellctl` left behind.

@@ -39,7 +39,12 @@ async fn every_route_has_its_path() {
         let point = json!({"current_position":
             {"x": 985.0, "y": 0.0, "z": 940.0, "w": -180.0, "p": 0.0, "r": 0.0}});
         match seen.line.as_str() {
-            "GET /livez" | "GET /readyz" => text("ok"),
+            "GET /livez" => Answer::Json(json!({"alive": true})),
+            "GET /readyz" => Answer::Raw {
+                status: 503,
+                media_type: "application/json",
+                body: r#"{"ready": false, "links": []}"#.to_owned(),
+            },
             "GET /metrics" => text("cell_motions_total 1\n"),
             "GET /version" => Answer::Json(json!({"version": ["0.1.0"]})),
             "GET /api/v1/cells/demo" => Answer::Json(samples::cells(&["r1"])[0].clone()),
@@ -52,8 +57,8 @@ async fn every_route_has_its_path() {
     })
     .await;
     let client = Client::new(&fake.url()).unwrap();
-    client.livez().await.unwrap();
-    client.readyz().await.unwrap();
+    assert!(client.livez().await.unwrap().alive);
+    assert!(!client.readyz().await.unwrap().ready);
     assert_eq!(client.metrics().await.unwrap(), "cell_motions_total 1\n");
     assert_eq!(client.version().await.unwrap().version, ["0.1.0"]);
     assert_eq!(client.cell("demo").await.unwrap().id, "demo");
@@ -94,7 +99,7 @@ async fn each_request_has_an_id_of_its_own_unless_one_is_given() {
     for client in [
         client.clone(),
         client.clone(),
-        client.with_request_id("mine"),
+        client.with_request_id("mine").unwrap(),
     ] {
         assert_eq!(client.cells().await.unwrap(), []);
     }
@@ -106,6 +111,24 @@ async fn each_request_has_an_id_of_its_own_unless_one_is_given() {
     assert_eq!(ids.len(), 3);
     assert_ne!(ids[0], ids[1]);
     assert_eq!(ids[2], "mine");
+}
+
+#[tokio::test]
+async fn the_answer_to_another_request_is_not_believed() {
+    let fake = Fake::always(Answer::OfAnother("not-mine")).await;
+    let error = Client::new(&fake.url()).unwrap().cells().await.unwrap_err();
+    assert!(
+        error.to_string().contains("the id of another request"),
+        "{error}"
+    );
+}
+
+#[test]
+fn only_ids_the_server_takes_are_sent() {
+    let client = Client::new("http://127.0.0.1:1").unwrap();
+    for id in ["", "a b", "a\nb", "\u{e9}", &"a".repeat(65)] {
+        assert!(client.with_request_id(id).is_err(), "{id}");
+    }
 }
 
 #[tokio::test]
@@ -182,7 +205,7 @@ async fn a_connection_cut_before_the_answer_is_a_doubt_and_nothing_is_sent_twice
             }
             if bytes.starts_with(b"GET /livez") {
                 socket
-                    .write_all(b"HTTP/1.1 200 OK\r\ncontent-length: 0\r\nconnection: close\r\n\r\n")
+                    .write_all(b"HTTP/1.1 200 OK\r\ncontent-length: 15\r\nconnection: close\r\n\r\n{\"alive\": true}")
                     .await
                     .unwrap();
                 break;
@@ -202,7 +225,7 @@ async fn a_connection_cut_before_the_answer_is_a_doubt_and_nothing_is_sent_twice
         "{error:?}"
     );
     assert_eq!(error.outcome(), Outcome::Unknown);
-    client.livez().await.unwrap();
+    assert!(client.livez().await.unwrap().alive);
     assert_eq!(connections.await.unwrap(), 1);
 }
 

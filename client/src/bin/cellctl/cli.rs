@@ -1,5 +1,6 @@
 //! The command line: every word of it, and its help.
 
+use clap::builder::NonEmptyStringValueParser;
 use clap::{Args, Parser, Subcommand};
 
 use crate::{delta, emulator, fk, home, ik, motions, move_to};
@@ -46,10 +47,10 @@ pub(crate) struct Global {
     )]
     pub(crate) server: String,
     /// The cell; not needed where there is exactly one.
-    #[arg(long, global = true, env = "ROBOCELL_CELL", value_name = "ID")]
+    #[arg(long, global = true, env = "ROBOCELL_CELL", value_name = "ID", value_parser = NonEmptyStringValueParser::new())]
     pub(crate) cell: Option<String>,
     /// The robot; not needed where there is exactly one.
-    #[arg(long, global = true, env = "ROBOCELL_ROBOT", value_name = "ID")]
+    #[arg(long, global = true, env = "ROBOCELL_ROBOT", value_name = "ID", value_parser = NonEmptyStringValueParser::new())]
     pub(crate) robot: Option<String>,
     /// The virtual controller's panel.
     #[arg(

@@ -22,7 +22,7 @@ pub(crate) struct Context {
 impl Context {
     pub(crate) fn new(global: Global) -> Result<Self, Failure> {
         let client = Client::with_timeouts(&global.server, timeouts(&global))?
-            .with_request_id(&Uuid::now_v7().to_string());
+            .with_request_id(&Uuid::now_v7().to_string())?;
         Ok(Self { client, global })
     }
 

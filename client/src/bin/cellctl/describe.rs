@@ -17,8 +17,8 @@ fn sentences(robot: &RobotDescription) -> String {
     for joint in &robot.joints {
         table.row([
             joint.joint.clone(),
-            format!("{:.3}", joint.min_deg),
-            format!("{:.3}", joint.max_deg),
+            text::thousandths(joint.min_deg),
+            text::thousandths(joint.max_deg),
             format!("{:.1}", joint.max_speed_deg_s),
         ]);
     }

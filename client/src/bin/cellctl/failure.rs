@@ -22,7 +22,9 @@ pub(crate) enum Failure {
     #[error("{0}")]
     Usage(String),
     /// A relative move without a place to count from.
-    #[error("no motion of this robot was accepted yet, so there is nothing to count from")]
+    #[error(
+        "the server knows no accepted target to count from: none yet, or a motion in doubt since"
+    )]
     NoAcceptedTarget,
     /// The arm did not come to rest in the time allowed.
     #[error("still not at rest after {seconds} s: {last}")]
@@ -143,7 +145,7 @@ fn exit_of(error: &ClientError) -> Exit {
                 .status()
                 .is_some_and(|status| (400..500).contains(&status))
         }
-        ClientError::BaseUrl { .. } => return Exit::Usage,
+        ClientError::BaseUrl { .. } | ClientError::RequestId { .. } => return Exit::Usage,
         ClientError::Unreachable { .. }
         | ClientError::Timeout { .. }
         | ClientError::Interrupted { .. }
@@ -159,7 +161,7 @@ fn exit_of(error: &ClientError) -> Exit {
 fn problem_text(problem: &Problem) -> String {
     let mut text = format!("{}: {}", problem.title, problem.detail);
     for violation in &problem.violations {
-        let _ = write!(text, "\n  {}", violation_text(violation));
+        let _ = write!(text, "\n  {}", violation_text(violation, &problem.detail));
     }
     if let Some(words) = &problem.controller_text {
         let _ = write!(text, "\nThe controller said: {words}");
@@ -173,7 +175,8 @@ fn problem_text(problem: &Problem) -> String {
     text
 }
 
-fn violation_text(violation: &Violation) -> String {
+/// One thing wrong with its value and limits; its message, too, unless the `detail` above it says the same.
+fn violation_text(violation: &Violation, detail: &str) -> String {
     let Violation {
         item,
         message,
@@ -197,7 +200,10 @@ fn violation_text(violation: &Violation) -> String {
         }
         (None, None) => {}
     }
-    format!("{text}: {message}")
+    if !detail.contains(message) {
+        let _ = write!(text, ": {message}");
+    }
+    text
 }
 
 fn list(sentence: &str, items: &[String]) -> String {

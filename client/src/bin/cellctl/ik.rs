@@ -7,7 +7,7 @@ use crate::context::Context;
 use crate::failure::Failure;
 use crate::numbers::{PoseArgs, finite, six};
 use crate::report::{Exit, Report};
-use crate::text::Table;
+use crate::text::{Table, thousandths};
 
 /// Calculate all joint values that reach a pose, and which of them the controller takes. Nothing moves.
 ///
@@ -52,8 +52,7 @@ fn table(result: &InverseResult) -> String {
         "",
     ]);
     for (index, branch) in result.branches.iter().enumerate() {
-        let [j1, j2, j3, j4, j5, j6] =
-            <[f64; 6]>::from(branch.joints).map(|joint| format!("{joint:.3}"));
+        let [j1, j2, j3, j4, j5, j6] = <[f64; 6]>::from(branch.joints).map(thousandths);
         let (margin, at) = tightest(branch);
         table.row([
             (index + 1).to_string(),
@@ -66,7 +65,7 @@ fn table(result: &InverseResult) -> String {
             j6,
             margin,
             at,
-            format!("{:.3}", branch.distance_deg),
+            thousandths(branch.distance_deg),
             remarks(result, index, branch),
         ]);
     }
@@ -76,10 +75,11 @@ fn table(result: &InverseResult) -> String {
                  not inside the limits."
             .to_owned(),
     };
-    format!(
-        "{} branches reach the pose; joints, margins and distances in degrees. {controller}\n\n{table}",
-        result.branches.len()
-    )
+    let reached = match result.branches.len() {
+        1 => "1 branch reaches the pose".to_owned(),
+        count => format!("{count} branches reach the pose"),
+    };
+    format!("{reached}; joints, margins and distances in degrees. {controller}\n\n{table}")
 }
 
 /// The joint with the least margin, which alone decides.
@@ -89,7 +89,7 @@ fn tightest(branch: &BranchBody) -> (String, String) {
         .iter()
         .min_by(|a, b| a.margin_deg.total_cmp(&b.margin_deg))
         .map_or_else(Default::default, |joint| {
-            (format!("{:.3}", joint.margin_deg), joint.joint.clone())
+            (thousandths(joint.margin_deg), joint.joint.clone())
         })
 }
 

@@ -167,7 +167,7 @@ fn sentence(motion: &Motion) -> String {
         MotionState::Queued => "The motion waits for the link",
         MotionState::Dispatched => "The motion is on its way to the controller",
         MotionState::Accepted => {
-            "The controller took the motion; when it ends, this controller does not report"
+            "The controller took the motion. Its end is not reported by this controller"
         }
         MotionState::Rejected => "The controller refused the motion: not executed",
         MotionState::NotExecuted => "The motion was not sent",

@@ -25,9 +25,10 @@ fn sentences(state: &RobotState) -> String {
             text::pose(pose),
             "the last accepted target; the arm may be on its way to it, or have been moved by hand",
         ),
-        (PoseSource::LastAcceptedTarget | PoseSource::Unknown, _) => {
-            ("unknown".to_owned(), "no motion was accepted yet")
-        }
+        (PoseSource::LastAcceptedTarget | PoseSource::Unknown, _) => (
+            "unknown".to_owned(),
+            "no accepted target: none yet, or a motion in doubt since",
+        ),
     };
     let mut facts = vec![
         ("robot", format!("{} in {}", state.id, state.cell)),
@@ -40,7 +41,7 @@ fn sentences(state: &RobotState) -> String {
         ),
     ];
     if let Some(at) = state.link.last_answer_at {
-        facts.push(("answered", at.to_string()));
+        facts.push(("answered", format!("{at:.3}")));
     }
     if let Some(failure) = state.link.last_failure {
         facts.push(("failure", failure.title().to_owned()));

@@ -5,6 +5,15 @@ use std::fmt::{self, Write};
 use api::{JointMargin, JointsBody, PoseBody};
 use serde::Serialize;
 
+/// A number to the thousandth, which is what goes over the wire. Zero has no sign.
+pub(crate) fn thousandths(value: f64) -> String {
+    let text = format!("{value:.3}");
+    match text.strip_prefix('-') {
+        Some("0.000") => "0.000".to_owned(),
+        Some(_) | None => text,
+    }
+}
+
 /// A pose in a sentence.
 pub(crate) fn pose(pose: &PoseBody) -> String {
     let PoseBody {
@@ -14,19 +23,15 @@ pub(crate) fn pose(pose: &PoseBody) -> String {
         w_deg,
         p_deg,
         r_deg,
-    } = pose;
-    format!(
-        "X {x_mm:.3}  Y {y_mm:.3}  Z {z_mm:.3} mm  W {w_deg:.3}  P {p_deg:.3}  R {r_deg:.3} deg"
-    )
+    } = *pose;
+    let [x, y, z, w, p, r] = [x_mm, y_mm, z_mm, w_deg, p_deg, r_deg].map(thousandths);
+    format!("X {x}  Y {y}  Z {z} mm  W {w}  P {p}  R {r} deg")
 }
 
 /// Joint values in a sentence.
 pub(crate) fn joints(joints: JointsBody) -> String {
-    let values: Vec<String> = (1..)
-        .zip(<[f64; 6]>::from(joints))
-        .map(|(number, value)| format!("J{number} {value:.3}"))
-        .collect();
-    format!("{} deg", values.join("  "))
+    let [j1, j2, j3, j4, j5, j6] = <[f64; 6]>::from(joints).map(thousandths);
+    format!("J1 {j1}  J2 {j2}  J3 {j3}  J4 {j4}  J5 {j5}  J6 {j6} deg")
 }
 
 /// An enum of the API by its name in JSON.
@@ -53,10 +58,10 @@ pub(crate) fn margins(margins: &[JointMargin]) -> Table {
     for joint in margins {
         table.row([
             joint.joint.clone(),
-            format!("{:.3}", joint.value_deg),
-            format!("{:.3}", joint.min_deg),
-            format!("{:.3}", joint.max_deg),
-            format!("{:.3}", joint.margin_deg),
+            thousandths(joint.value_deg),
+            thousandths(joint.min_deg),
+            thousandths(joint.max_deg),
+            thousandths(joint.margin_deg),
             if joint.margin_deg < 0.0 {
                 "outside"
             } else {
@@ -130,6 +135,12 @@ mod tests {
             table.to_string(),
             "  name       value\n  J1      -180.000\n  elbow°     0.500\n"
         );
+    }
+
+    #[test]
+    fn zero_has_no_sign() {
+        assert_eq!(thousandths(-0.000_4), "0.000");
+        assert_eq!(thousandths(-0.000_6), "-0.001");
     }
 
     #[test]
