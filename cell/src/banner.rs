@@ -15,17 +15,28 @@ use crate::virtual_controllers::Running;
 pub(crate) fn print(http: SocketAddr, file: &File, controllers: &[Running]) -> Result<()> {
     let mut out = std::io::stdout().lock();
     writeln!(out, "robocell is up. It is not a safety function.\n")?;
-    writeln!(out, "  HTTP API             http://{http}      documentation: http://{http}/docs")?;
+    writeln!(
+        out,
+        "  HTTP API             http://{http}      documentation: http://{http}/docs"
+    )?;
     for part in controllers {
-        write!(out, "  virtual controller   {} (`{}`)", part.robot_address, part.name)?;
+        write!(
+            out,
+            "  virtual controller   {} (`{}`)",
+            part.robot_address, part.name
+        )?;
         if let Some(panel) = part.controller.panel_address() {
             write!(out, "      panel: http://{panel}/")?;
         }
         writeln!(out)?;
     }
     let cells = file.cells.iter();
-    let first = cells.flat_map(|cell| cell.robots.iter().map(move |robot| (cell, robot))).next();
-    let Some((cell, robot)) = first else { return Ok(()) };
+    let first = cells
+        .flat_map(|cell| cell.robots.iter().map(move |robot| (cell, robot)))
+        .next();
+    let Some((cell, robot)) = first else {
+        return Ok(());
+    };
     let (cell, robot) = (&cell.id, &robot.id);
     writeln!(out, "\nTry, in another terminal:\n")?;
     writeln!(
@@ -38,11 +49,23 @@ pub(crate) fn print(http: SocketAddr, file: &File, controllers: &[Running]) -> R
         "\n  curl -s -X POST http://{http}/api/v1/cells/{cell}/robots/{robot}/motions -H 'Content-Type: application/json' \\\n       \
          -d '{{\"type\":\"HOME\",\"speed_mm_s\":500}}'"
     )?;
-    if let Some(panel) = controllers.iter().find_map(|part| part.controller.panel_address()) {
-        writeln!(out, "\n  curl -s http://{panel}/state      # where the arm is now")?;
-        writeln!(out, "  curl -s http://{panel}/ledger     # what it did, and what it refused")?;
+    if let Some(panel) = controllers
+        .iter()
+        .find_map(|part| part.controller.panel_address())
+    {
+        writeln!(
+            out,
+            "\n  curl -s http://{panel}/state      # where the arm is now"
+        )?;
+        writeln!(
+            out,
+            "  curl -s http://{panel}/ledger     # what it did, and what it refused"
+        )?;
     }
-    writeln!(out, "\n  cargo run --release -p client --bin cellctl -- --help")?;
+    writeln!(
+        out,
+        "\n  cargo run --release -p client --bin cellctl -- --help"
+    )?;
     writeln!(out, "\nCtrl-C stops the cell.")?;
     out.flush()?;
     Ok(())

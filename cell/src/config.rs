@@ -82,7 +82,11 @@ pub(crate) struct Loaded {
 pub(crate) fn load(path: Option<&Path>) -> Result<Loaded> {
     let Some(path) = path else {
         let file = toml::from_str(DEMO).context("reading the built-in demo configuration")?;
-        return Ok(Loaded { file, folder: PathBuf::new(), name: "the demo configuration".into() });
+        return Ok(Loaded {
+            file,
+            folder: PathBuf::new(),
+            name: "the demo configuration".into(),
+        });
     };
     let name = path.display().to_string();
     let text = std::fs::read_to_string(path).with_context(|| format!("reading {name}"))?;

@@ -8,7 +8,6 @@ mod virtual_controllers;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::Context as _;
 use clap::Parser;
 
 /// A networked robot-cell server with virtual FANUC controllers.
@@ -26,7 +25,12 @@ pub(crate) struct Cli {
     #[arg(long, env = "ROBOCELL_LISTEN", value_name = "ADDRESS")]
     listen: Option<String>,
     /// What to log on standard error, such as `info` or `server=debug`.
-    #[arg(long, env = "ROBOCELL_LOG", default_value = "info", value_name = "FILTER")]
+    #[arg(
+        long,
+        env = "ROBOCELL_LOG",
+        default_value = "info",
+        value_name = "FILTER"
+    )]
     log: String,
     /// Read and check the configuration, and start nothing.
     #[arg(long)]
@@ -43,7 +47,10 @@ fn main() -> ExitCode {
     }
 }
 
-#[expect(clippy::print_stderr, reason = "the log may not be up when this is needed")]
+#[expect(
+    clippy::print_stderr,
+    reason = "the log may not be up when this is needed"
+)]
 fn complain(error: &anyhow::Error) {
     eprintln!("robocell: {error:#}");
 }

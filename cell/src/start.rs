@@ -29,8 +29,13 @@ pub(crate) fn start(cli: &Cli) -> Result<()> {
     }
     let filter = tracing_subscriber::EnvFilter::try_new(&cli.log)
         .with_context(|| format!("reading the log filter `{}`", cli.log))?;
-    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).init();
-    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
+    tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .init();
+    let runtime = tokio::runtime::Builder::new_multi_thread()
+        .enable_all()
+        .build()?;
     runtime.block_on(run(loaded))
 }
 
@@ -50,24 +55,37 @@ fn check(loaded: &Loaded) -> Result<()> {
 }
 
 async fn run(loaded: Loaded) -> Result<()> {
-    let Loaded { mut file, folder, name } = loaded;
+    let Loaded {
+        mut file,
+        folder,
+        name,
+    } = loaded;
     let stop = stop_on_signals()?;
     let labels = PeerLabels::new();
     let controllers =
         virtual_controllers::start_all(&file.virtual_controllers, &folder, &labels).await?;
-    let addresses: Vec<_> =
-        controllers.iter().map(|part| (part.name.clone(), part.robot_address)).collect();
+    let addresses: Vec<_> = controllers
+        .iter()
+        .map(|part| (part.name.clone(), part.robot_address))
+        .collect();
     virtual_controllers::resolve(&mut file.cells, &addresses)?;
-    let plan =
-        Plan::try_new(&file.server, &file.cells).with_context(|| format!("in {name}"))?;
-    let listen = plan.listen();
+    let plan = Plan::try_new(&file.server, &file.cells).with_context(|| format!("in {name}"))?;
+    let listen = plan.server().listen;
     let listener = TcpListener::bind(listen)
         .await
         .with_context(|| format!("serving HTTP on {listen}; is another robocell running?"))?;
     banner::print(listener.local_addr()?, &file, &controllers)?;
-    let connector =
-        TcpConnector::with_label(move |peer, request_id| labels.set(peer, request_id));
-    server::run(listener, plan, Seams { connector, clock: Arc::new(SystemClock) }, stop).await?;
+    let connector = TcpConnector::with_label(move |peer, request_id| labels.set(peer, request_id));
+    server::run(
+        listener,
+        plan,
+        Seams {
+            connector,
+            clock: Arc::new(SystemClock),
+        },
+        stop,
+    )
+    .await?;
     for Running { controller, .. } in controllers {
         controller.shutdown().await;
     }

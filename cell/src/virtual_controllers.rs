@@ -38,13 +38,20 @@ pub(crate) async fn start_all(
     for (index, section) in sections.iter().enumerate() {
         let key = format!("virtual_controllers[{index}]");
         if running.iter().any(|other| other.name == section.name) {
-            bail!("{key}.name: `{}` is the name of an earlier controller", section.name);
+            bail!(
+                "{key}.name: `{}` is the name of an earlier controller",
+                section.name
+            );
         }
         let (config, clock) = prepare(section, folder, &key)?;
         let controller = VirtualController::start(&config, clock, labels.clone())
             .with_context(|| format!("starting {key} `{}`", section.name))?;
         let robot_address = controller.address_of_port(section.robot_port).await?;
-        running.push(Running { name: section.name.clone(), robot_address, controller });
+        running.push(Running {
+            name: section.name.clone(),
+            robot_address,
+            controller,
+        });
     }
     Ok(running)
 }
@@ -60,7 +67,10 @@ pub(crate) fn prepare(
 ) -> Result<(ControllerConfig, Clock)> {
     let Some(model) = ArmModel::builtin(&section.model) else {
         let known = ArmModel::builtin_names().join(", ");
-        bail!("{key}.model: `{}` is none of the models: {known}", section.model);
+        bail!(
+            "{key}.model: `{}` is none of the models: {known}",
+            section.model
+        );
     };
     let mut config = ControllerConfig::new(&*section.name, model);
     for path in &section.programs {
@@ -100,7 +110,9 @@ pub(crate) fn prepare(
 pub(crate) fn resolve(cells: &mut [CellSection], addresses: &[(String, SocketAddr)]) -> Result<()> {
     for (c, cell) in cells.iter_mut().enumerate() {
         for (r, robot) in cell.robots.iter_mut().enumerate() {
-            let Some(name) = robot.controller.strip_prefix(SCHEME) else { continue };
+            let Some(name) = robot.controller.strip_prefix(SCHEME) else {
+                continue;
+            };
             let Some((_, address)) = addresses.iter().find(|(known, _)| known == name) else {
                 bail!("cells[{c}].robots[{r}].controller: no virtual controller is named `{name}`");
             };

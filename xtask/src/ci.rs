@@ -72,8 +72,5 @@ fn dependencies() -> Result<()> {
     if !installed.is_ok_and(|output| output.status.success()) {
         bail!("cargo-deny is missing: install it with `cargo install cargo-deny --locked`");
     }
-    cargo(
-        &["deny", "check", "bans", "licenses", "sources"],
-        &[],
-    )
+    cargo(&["deny", "check", "bans", "licenses", "sources"], &[])
 }

@@ -18,7 +18,11 @@ const PATIENCE: Duration = Duration::from_secs(10);
 #[expect(clippy::print_stdout, reason = "this is a command-line tool's report")]
 fn main() -> Result<()> {
     let binary = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/release/robocell");
-    ensure!(binary.exists(), "{} is missing: cargo build --release -p cell", binary.display());
+    ensure!(
+        binary.exists(),
+        "{} is missing: cargo build --release -p cell",
+        binary.display()
+    );
     let mut first_answers = Vec::new();
     let mut memories = Vec::new();
     for _ in 0..STARTS {
@@ -31,10 +35,18 @@ fn main() -> Result<()> {
     first_answers.sort_unstable();
     memories.sort_unstable();
     let middle = STARTS / 2;
-    println!("the demo cell (server, embedded virtual controller, panel), median of {STARTS} starts");
+    println!(
+        "the demo cell (server, embedded virtual controller, panel), median of {STARTS} starts"
+    );
     if let (Some(answer), Some(memory)) = (first_answers.get(middle), memories.get(middle)) {
-        println!("  first answer after start   {:>8.1} ms", answer.as_secs_f64() * 1e3);
-        println!("  resident memory, idle      {:>8.1} MiB", f64::from(*memory) / 1024.0);
+        println!(
+            "  first answer after start   {:>8.1} ms",
+            answer.as_secs_f64() * 1e3
+        );
+        println!(
+            "  resident memory, idle      {:>8.1} MiB",
+            f64::from(*memory) / 1024.0
+        );
     }
     Ok(())
 }
@@ -67,13 +79,21 @@ impl Cell {
             .stdout(Stdio::null())
             .spawn()
             .context("starting robocell")?;
-        Ok(Self { process, started, http, config })
+        Ok(Self {
+            process,
+            started,
+            http,
+            config,
+        })
     }
 
     /// Asks again and again until somebody answers.
     fn first_answer(&self) -> Result<Duration> {
         while self.started.elapsed() < PATIENCE {
-            if self.exchange("GET /livez HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n").is_ok() {
+            if self
+                .exchange("GET /livez HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")
+                .is_ok()
+            {
                 return Ok(self.started.elapsed());
             }
             std::thread::yield_now();
@@ -100,7 +120,10 @@ impl Cell {
     /// `VmRSS` of the process, in KiB.
     fn resident_kib(&self) -> Result<u32> {
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.process.id()))?;
-        let line = status.lines().find(|line| line.starts_with("VmRSS:")).context("VmRSS")?;
+        let line = status
+            .lines()
+            .find(|line| line.starts_with("VmRSS:"))
+            .context("VmRSS")?;
         let number = line.split_whitespace().nth(1).context("a number")?;
         Ok(number.parse()?)
     }

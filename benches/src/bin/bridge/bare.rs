@@ -14,6 +14,8 @@ pub(crate) async fn run() -> Result<()> {
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).await?;
     let port = listener.local_addr()?.port();
     let router = Router::new().route("/", get(|| async { "hello" }));
-    drop(tokio::spawn(async move { axum::serve(listener, router).await }));
+    drop(tokio::spawn(
+        async move { axum::serve(listener, router).await },
+    ));
     processes::announce_and_wait(port).await
 }

@@ -26,7 +26,11 @@ impl Connection {
             ),
             None => format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n"),
         };
-        Ok(Self { stream, request: request.into_bytes(), buffer: Vec::with_capacity(4096) })
+        Ok(Self {
+            stream,
+            request: request.into_bytes(),
+            buffer: Vec::with_capacity(4096),
+        })
     }
 
     /// Sends the request and reads the whole answer; the answer's status.
@@ -51,10 +55,15 @@ fn parse(bytes: &[u8]) -> Result<Option<u16>> {
     let (head, rest) = bytes.split_at(end + 4);
     let head = std::str::from_utf8(head)?;
     let mut lines = head.lines();
-    let status = lines.next().and_then(|line| line.split(' ').nth(1)).context("a status line")?;
+    let status = lines
+        .next()
+        .and_then(|line| line.split(' ').nth(1))
+        .context("a status line")?;
     let mut length = 0;
     for line in lines {
-        let Some((name, value)) = line.split_once(':') else { continue };
+        let Some((name, value)) = line.split_once(':') else {
+            continue;
+        };
         if name.eq_ignore_ascii_case("content-length") {
             length = value.trim().parse::<usize>()?;
         }

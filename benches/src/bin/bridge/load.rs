@@ -63,7 +63,10 @@ pub(crate) async fn over_http(
             while Instant::now() < end {
                 let start = Instant::now();
                 let answered = connection.exchange().await?;
-                ensure!(answered == status, "expected status {status}, got {answered}");
+                ensure!(
+                    answered == status,
+                    "expected status {status}, got {answered}"
+                );
                 durations.push(start.elapsed());
             }
             anyhow::Ok(durations)
@@ -90,5 +93,9 @@ async fn collect(mut workers: JoinSet<Result<Vec<Duration>>>, slice: Duration) -
     };
     #[expect(clippy::cast_precision_loss, reason = "counts stay far below 2^52")]
     let per_second = durations.len() as f64 / slice.as_secs_f64();
-    Ok(Sample { per_second, p50: at(0.5), p99: at(0.99) })
+    Ok(Sample {
+        per_second,
+        p50: at(0.5),
+        p99: at(0.99),
+    })
 }

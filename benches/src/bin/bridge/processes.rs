@@ -25,12 +25,21 @@ pub(crate) async fn start(arguments: &[String]) -> Result<Part> {
     let output = process.stdout.take().context("standard output is piped")?;
     let mut line = String::new();
     let _length = BufReader::new(output).read_line(&mut line).await?;
-    let port = line.trim().parse().with_context(|| format!("{arguments:?} said {line:?}"))?;
-    Ok(Part { port, _process: process })
+    let port = line
+        .trim()
+        .parse()
+        .with_context(|| format!("{arguments:?} said {line:?}"))?;
+    Ok(Part {
+        port,
+        _process: process,
+    })
 }
 
 /// Tells the parent `port`, and waits until the parent has gone.
-#[expect(clippy::print_stdout, reason = "the port goes to the parent over standard output")]
+#[expect(
+    clippy::print_stdout,
+    reason = "the port goes to the parent over standard output"
+)]
 pub(crate) async fn announce_and_wait(port: u16) -> Result<()> {
     println!("{port}");
     let mut nothing = [0_u8; 1];

@@ -20,7 +20,15 @@ pub(crate) async fn compare(connections: &[usize], repeats: usize, slice: Durati
     );
     println!(
         "{:>5} {:>7}  {:>24} {:>24} {:>24} {:>24}  {:>9} {:>9} {:>9}",
-        "conns", "robots", "raw TCP", "POST /fanuc/move", "POST motions", "bare axum", "move/raw", "mot./raw", "move/axum"
+        "conns",
+        "robots",
+        "raw TCP",
+        "POST /fanuc/move",
+        "POST motions",
+        "bare axum",
+        "move/raw",
+        "mot./raw",
+        "move/axum"
     );
     let bare = processes::start(&["bare".to_owned()]).await?;
     for &connections in connections {
@@ -45,7 +53,11 @@ async fn row(
     slice: Duration,
 ) -> Result<()> {
     let robot = processes::start(&["robot".to_owned(), robots.to_string()]).await?;
-    let arguments = ["served".to_owned(), robot.port.to_string(), robots.to_string()];
+    let arguments = [
+        "served".to_owned(),
+        robot.port.to_string(),
+        robots.to_string(),
+    ];
     let served = processes::start(&arguments).await?;
     let legacy = |_worker| "/fanuc/move?velocity=200".to_owned();
     let motions = |worker| format!("/api/v1/cells/bench/robots/r{}/motions", worker % robots);
@@ -82,7 +94,12 @@ fn figures(samples: &[Sample]) -> String {
         return "-".to_owned();
     }
     let milliseconds = |part: fn(&Sample) -> Duration| {
-        median(samples.iter().map(|sample| part(sample).as_secs_f64() * 1e3).collect())
+        median(
+            samples
+                .iter()
+                .map(|sample| part(sample).as_secs_f64() * 1e3)
+                .collect(),
+        )
     };
     format!(
         "{:.0} ({:.2} / {:.2})",
@@ -96,7 +113,10 @@ fn ratio(ours: &[Sample], theirs: &[Sample]) -> String {
     if ours.is_empty() {
         return "-".to_owned();
     }
-    let ratios = ours.iter().zip(theirs).map(|(ours, theirs)| ours.per_second / theirs.per_second);
+    let ratios = ours
+        .iter()
+        .zip(theirs)
+        .map(|(ours, theirs)| ours.per_second / theirs.per_second);
     format!("{:.0} %", 100.0 * median(ratios.collect()))
 }
 

@@ -14,7 +14,11 @@ pub(crate) const REPLY: &[u8] = b"SUCESS: MOVEMENT COMPLETE";
 /// Listens on `ports` consecutive ports until the parent goes away.
 pub(crate) async fn run(ports: usize) -> Result<()> {
     let listeners = bind_consecutive(ports).await?;
-    let first = listeners.first().context("at least one port")?.local_addr()?.port();
+    let first = listeners
+        .first()
+        .context("at least one port")?
+        .local_addr()?
+        .port();
     for listener in listeners {
         drop(tokio::spawn(accept(listener)));
     }
@@ -27,8 +31,12 @@ async fn bind_consecutive(ports: usize) -> Result<Vec<TcpListener>> {
         let start = first.local_addr()?.port();
         let mut listeners = vec![first];
         for offset in 1..u16::try_from(ports)? {
-            let Some(port) = start.checked_add(offset) else { break };
-            let Ok(listener) = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).await else { break };
+            let Some(port) = start.checked_add(offset) else {
+                break;
+            };
+            let Ok(listener) = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).await else {
+                break;
+            };
             listeners.push(listener);
         }
         if listeners.len() == ports {

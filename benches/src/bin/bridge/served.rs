@@ -14,7 +14,10 @@ use crate::processes;
 /// Serves until the parent goes away. Robot `i` is the trivial robot on port `first_port + i`.
 pub(crate) async fn run(first_port: u16, robots: usize) -> Result<()> {
     // The subscriber of the shipped binary, at its default level: logging is part of the cost.
-    tracing_subscriber::fmt().with_env_filter("info").with_writer(std::io::stderr).init();
+    tracing_subscriber::fmt()
+        .with_env_filter("info")
+        .with_writer(std::io::stderr)
+        .init();
     let mut sections = Vec::new();
     for index in 0..robots {
         let address = format!("127.0.0.1:{}", first_port + u16::try_from(index)?);
@@ -23,14 +26,23 @@ pub(crate) async fn run(first_port: u16, robots: usize) -> Result<()> {
         robot.queue_capacity = 1_000;
         sections.push(robot);
     }
-    let cell = CellSection { id: "bench".to_owned(), name: None, robots: sections };
-    let server =
-        ServerSection { legacy_robot: Some("bench/r0".to_owned()), ..ServerSection::default() };
+    let cell = CellSection {
+        id: "bench".to_owned(),
+        name: None,
+        robots: sections,
+    };
+    let server = ServerSection {
+        legacy_robot: Some("bench/r0".to_owned()),
+        ..ServerSection::default()
+    };
     let plan = Plan::try_new(&server, &[cell])?;
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).await?;
     let port = listener.local_addr()?.port();
     let stop = CancellationToken::new();
-    let seams = Seams { connector: TcpConnector::default(), clock: Arc::new(SystemClock) };
+    let seams = Seams {
+        connector: TcpConnector::default(),
+        clock: Arc::new(SystemClock),
+    };
     let served = tokio::spawn(server::run(listener, plan, seams, stop.clone()));
     processes::announce_and_wait(port).await?;
     stop.cancel();
