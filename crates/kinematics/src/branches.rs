@@ -57,6 +57,7 @@ impl Branches {
     /// Front or back, elbow up or down, flip or no flip.
     pub const CAPACITY: usize = 8;
 
+    #[inline]
     pub(crate) fn new() -> Self {
         Self {
             solutions: [None; Self::CAPACITY],

@@ -28,23 +28,9 @@ const REACH_ROUNDING: f64 = 5e-7;
 /// Sine and cosine of an angle, a lane each.
 type Turn = (Lanes<4>, Lanes<4>);
 
-/// Every branch that reaches `X_WF`. Joints that a singularity leaves free stay near `reference`.
-pub(crate) fn branches(
-    model: &ArmModel,
-    X_WF: &Pose,
-    reference: &PendantJoints,
-) -> Result<Branches, IkError> {
-    // Filled where it is returned: a kilobyte is not copied for nothing.
-    let mut found = Ok(Branches::new());
-    if let Ok(branches) = &mut found
-        && let Err(error) = collect(model, X_WF, reference, branches)
-    {
-        found = Err(error);
-    }
-    found
-}
-
-fn collect(
+/// Puts every branch that reaches `X_WF` into `branches`, which is empty. Joints that a singularity
+/// leaves free stay near `reference`.
+pub(crate) fn collect(
     model: &ArmModel,
     X_WF: &Pose,
     reference: &PendantJoints,

@@ -199,8 +199,11 @@ impl ArmModel {
     ///
     /// # Errors
     /// [`IkError::OutOfReach`], with the excess.
+    #[inline]
     pub fn inverse_all(&self, X_WF: &Pose) -> Result<Branches, IkError> {
-        inverse::branches(self, X_WF, &self.home)
+        let mut branches = Branches::new();
+        inverse::collect(self, X_WF, &self.home, &mut branches)?;
+        Ok(branches)
     }
 
     /// The joint set inside the limits that `seed` asks for.

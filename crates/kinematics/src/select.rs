@@ -29,10 +29,11 @@ const TURN: f64 = 360.0;
 const SAME_DEG: f64 = 1e-6;
 
 pub(crate) fn select(model: &ArmModel, X_WF: &Pose, seed: Seed) -> Result<Solution, IkError> {
+    let mut branches = Branches::new();
     match seed {
         Seed::Near(joints) => {
             let joints = PendantJoints::try_from_degrees(joints.degrees())?;
-            let branches = inverse::branches(model, X_WF, &joints)?;
+            inverse::collect(model, X_WF, &joints, &mut branches)?;
             let seed = joints.degrees();
             branches
                 .iter()
@@ -45,7 +46,7 @@ pub(crate) fn select(model: &ArmModel, X_WF: &Pose, seed: Seed) -> Result<Soluti
                 .ok_or_else(|| joint_limit(model, &branches))
         }
         Seed::Centered => {
-            let branches = inverse::branches(model, X_WF, &model.home())?;
+            inverse::collect(model, X_WF, &model.home(), &mut branches)?;
             branches
                 .iter()
                 .map(|solution| most_central_turns(model, solution))
@@ -54,7 +55,7 @@ pub(crate) fn select(model: &ArmModel, X_WF: &Pose, seed: Seed) -> Result<Soluti
                 .ok_or_else(|| joint_limit(model, &branches))
         }
         Seed::InConfiguration(wanted) => {
-            let branches = inverse::branches(model, X_WF, &model.home())?;
+            inverse::collect(model, X_WF, &model.home(), &mut branches)?;
             in_configuration(model, &branches, wanted)
         }
     }
