@@ -265,10 +265,8 @@ impl<'a> Reader<'a> {
                 }
             };
         };
-        let trimmed = match kind {
-            ItemKind::Text { .. } => field,
-            _ => field.trim_ascii(),
-        };
+        let is_text = matches!(kind, ItemKind::Text { .. });
+        let trimmed = if is_text { field } else { field.trim_ascii() };
         match parse(trimmed, kind) {
             Some(value) => {
                 self.offset += width;
