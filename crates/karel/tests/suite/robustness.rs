@@ -93,7 +93,9 @@ fn mutate(source: &[u8], mutation: &Mutation) -> Vec<u8> {
         }
         Mutation::CopyWord { from, to } => {
             return with_words(&bytes, |words, count| {
-                words[to % count] = words[from % count].clone()
+                if let Some(word) = words.get(from % count).cloned() {
+                    drop(words.splice(to % count..=to % count, [word]));
+                }
             });
         }
     }
@@ -101,7 +103,7 @@ fn mutate(source: &[u8], mutation: &Mutation) -> Vec<u8> {
 }
 
 /// Changes the words of the lines that are not comments.
-fn with_words(bytes: &[u8], change: impl FnOnce(&mut [String], usize)) -> Vec<u8> {
+fn with_words(bytes: &[u8], change: impl FnOnce(&mut Vec<String>, usize)) -> Vec<u8> {
     let text: String = bytes.iter().map(|byte| char::from(*byte)).collect();
     let lines = text
         .lines()
@@ -166,9 +168,9 @@ fn every_prefix_of_a_program_is_handled() {
 
 #[test]
 fn types_within_types_and_huge_variables_are_refused() {
-    let chain: String = (1..5_000)
-        .map(|n| format!("t{n} = ARRAY[1] OF t{}\n", n - 1))
-        .collect();
+    let chain = (1..5_000).fold(String::new(), |text, n| {
+        text + &format!("t{n} = ARRAY[1] OF t{}\n", n - 1)
+    });
     let deep =
         format!("PROGRAM x\nTYPE\nt0 = ARRAY[1] OF INTEGER\n{chain}VAR v: t4999\nBEGIN\nEND x\n");
     let refused = Program::parse_and_check(deep.as_bytes(), "x.kl").unwrap_err();

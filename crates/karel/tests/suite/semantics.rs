@@ -354,3 +354,25 @@ fn a_motion_alarm_ends_the_task_and_is_posted_once() {
         "MOTN-018 (T, 3) The motion was refused"
     );
 }
+
+#[test]
+fn assumed_a_program_that_starts_again_finds_its_files_closed() {
+    let source = b"PROGRAM t\nVAR f: FILE\ns, n: INTEGER\nBEGIN\nMSG_CONNECT('S3:', s)\nOPEN FILE f ('RW', 'S3:')\nWRITE (IO_STATUS(f))\nn = 1 DIV 0\nEND t\n";
+    let (mut machine, first) = machine_with(source, "t.kl");
+    let mut host = ScriptedHost::new(vec![Event::Connect]);
+    run(&mut machine, first, &mut host);
+    assert!(
+        !host.trace.contains("close"),
+        "an abort closes nothing: {}",
+        host.trace
+    );
+    let second = machine.start("T").unwrap();
+    run(&mut machine, second, &mut host);
+    assert_eq!(
+        host.trace.matches("display \" 0\"").count(),
+        2,
+        "{}",
+        host.trace
+    );
+    assert_eq!(host.trace.matches("close 1").count(), 1, "{}", host.trace);
+}
