@@ -155,8 +155,11 @@ pub trait Host {
     /// variable exists and has no value.
     fn system_variable(&self, task: TaskId, path: &SysPath) -> Result<Value, Status>;
 
-    /// Stores a whole system variable or array element. An `INTEGER` for a `REAL` variable was
-    /// not converted if the path was a string of the program (`SET_VAR`).
+    /// Stores a whole system variable or array element.
+    ///
+    /// The value of a variable that this crate knows has that variable's type: REAL for `$SPEED`
+    /// even if the program wrote an INTEGER, POSITION for frames and tools. `SET_VAR` on a
+    /// variable that it does not know passes on what the program gave.
     ///
     /// # Errors
     /// [`Status::VARS_UNKNOWN`], [`Status::VARS_INDEX`] or [`Status::VARS_TYPE`].

@@ -14,7 +14,11 @@ use crate::{
 pub(crate) fn lex(source: &Source, reports: &mut Reports) -> Vec<Token> {
     let mut lexer = Lexer {
         bytes: &source.bytes,
-        offset: 0,
+        offset: if source.bytes.starts_with(UTF8_MARK) {
+            UTF8_MARK.len()
+        } else {
+            0
+        },
         depth: 0,
         tokens: Vec::new(),
         reports,
@@ -33,6 +37,9 @@ pub(crate) fn lex(source: &Source, reports: &mut Reports) -> Vec<Token> {
     });
     lexer.tokens
 }
+
+/// What some editors put in front of a text.
+const UTF8_MARK: &[u8] = b"\xEF\xBB\xBF";
 
 struct Lexer<'a> {
     bytes: &'a [u8],
@@ -56,7 +63,8 @@ impl Lexer<'_> {
         let start = self.offset;
         let Some(byte) = self.peek(0) else { return };
         match byte {
-            b' ' | b'\t' | b'\r' => self.offset += 1,
+            // Form feed and the end mark of old editors are blanks.
+            b' ' | b'\t' | b'\r' | 0x0C | 0x1A => self.offset += 1,
             b'\n' => self.line_end(),
             b'-' if self.peek(1) == Some(b'-') => self.skip_to_line_end(),
             b'&' => self.continuation(),
@@ -86,10 +94,10 @@ impl Lexer<'_> {
     }
 
     fn symbol(&mut self, symbol: Symbol, start: usize) {
-        match symbol {
-            Symbol::LeftParen | Symbol::LeftBracket => self.depth += 1,
-            Symbol::RightParen | Symbol::RightBracket => self.depth = self.depth.saturating_sub(1),
-            _ => {}
+        if matches!(symbol, Symbol::LeftParen | Symbol::LeftBracket) {
+            self.depth += 1;
+        } else if matches!(symbol, Symbol::RightParen | Symbol::RightBracket) {
+            self.depth = self.depth.saturating_sub(1);
         }
         self.push(TokenKind::Symbol(symbol), start);
     }
@@ -331,9 +339,12 @@ mod tests {
         let words = tokens
             .iter()
             .filter(|token| token.span.start() < text.len())
-            .map(|token| match token.kind {
-                TokenKind::LineEnd => "/".to_owned(),
-                _ => crate::span::latin1(source.slice(token.span)),
+            .map(|token| {
+                if token.kind == TokenKind::LineEnd {
+                    "/".to_owned()
+                } else {
+                    crate::span::latin1(source.slice(token.span))
+                }
             });
         words.collect::<Vec<_>>().join(" ")
     }
@@ -352,6 +363,16 @@ mod tests {
         assert_eq!(tokens("a = \nb + -- x\n\n c\nd"), "a = b + c / d");
         assert_eq!(tokens("f(a -- x\n b\n)\nc"), "f ( a b ) / c");
         assert_eq!(tokens("IF (a)\n THEN\nb"), "IF ( a ) THEN / b");
+    }
+
+    #[test]
+    fn marks_of_editors_are_blanks() {
+        let source = Source::new(b"\xEF\xBB\xBFa\x0C\n\x1A", "t.kl");
+        let mut reports = Reports::default();
+        let kinds: Vec<TokenKind> = lex(&source, &mut reports).iter().map(|t| t.kind).collect();
+        let end = [TokenKind::LineEnd, TokenKind::EndOfFile];
+        assert_eq!(kinds, [[TokenKind::Name, TokenKind::LineEnd], end].concat());
+        assert!(!reports.has_errors());
     }
 
     #[test]

@@ -1,12 +1,72 @@
-//! KAREL, the language of FANUC controllers: lexer, parser, checker and machine.
+//! KAREL, the language of FANUC robot controllers: lexer, parser, checker and machine.
 //!
-//! The shape towards a host (being built; signatures are settled):
-//! `Program::parse_and_check(&[u8], file_name: &str) -> Result<Program, Vec<Diagnostic>>`,
-//! `Program::warnings() -> &[Diagnostic]`, `Program::name() -> &str`,
-//! `Machine::new(Limits)`, `Machine::load(Program) -> Result<(), LoadError>`,
-//! `Machine::start(&str) -> Result<TaskId, StartError>`,
-//! `Machine::run(TaskId, fuel: u32, &mut dyn Host) -> Slice { run: Run, used: u32 }`,
-//! `Machine::task(TaskId) -> Option<TaskView>`, `Machine::abort(TaskId, &mut dyn Host)`.
+//! The crate runs `.kl` sources as they are. It does no I/O and reads no clock: sockets, system
+//! variables, motion and time are asked of a [`Host`], so the same program runs against an
+//! emulated robot, a test script, or a clock that stands still.
+//!
+//! ```text
+//! bytes ─ lexer ─ tokens ─ parser ─ tree ─ checker ─ typed tree ─ lowering ─ instructions ─ Machine
+//!              └──────────── Diagnostic: message, line, caret ──┘                          │   ▲
+//!                                                                                calls     ▼   │ answers
+//!                                                                                         Host
+//! ```
+//!
+//! - **Source.** Latin-1 bytes, LF or CRLF. [`Program::parse_and_check`] reports every error it
+//!   finds, each as a [`Diagnostic`] that renders with its source line. KAREL that is legal but
+//!   not run yet is an error that says so, never ignored.
+//! - **Memory.** A row of cells, one for each scalar; arrays, structures and positions are the
+//!   cells of their parts. Each cell knows whether it is uninitialized, and reading such a cell
+//!   ends the task with INTP-311.
+//! - **Tasks.** [`Machine::run`] executes a task for a number of instructions. A statement that
+//!   must wait suspends the task with a [`Wait`]; its state is plain data, there is no thread and
+//!   no recursion. Status codes and error texts are the controller's ([`Status`],
+//!   [`RuntimeError`]).
+//! - **Units.** Positions are `f32` millimeters and degrees, W, P, R about the fixed X, Y, Z axes,
+//!   as KAREL has them.
+//!
+//! Rules that are guessed and not documented are marked `ASSUMPTION:` in the source, and their
+//! tests start with `assumed`.
+//!
+//! # Example
+//!
+//! ```
+//! use karel::{Limits, Machine, Program, Run};
+//! # use karel::*;
+//! # use std::time::Duration;
+//! # #[derive(Default)]
+//! # struct Screen { text: String }
+//! # impl Host for Screen {
+//! #     fn now(&self) -> Duration { Duration::ZERO }
+//! #     fn msg_connect(&mut self, _: TaskId, _: &str) -> Progress<Status> { Progress::Ready(Status::HOST_TAG) }
+//! #     fn msg_disco(&mut self, _: TaskId, _: &str) -> Status { Status::OK }
+//! #     fn open_file(&mut self, _: TaskId, _: OpenMode, _: &str) -> Result<FileId, Status> { Err(Status::INTP_OPEN_FAILED) }
+//! #     fn close_file(&mut self, _: FileId) -> Status { Status::OK }
+//! #     fn cancel_file(&mut self, _: FileId) -> Status { Status::OK }
+//! #     fn input(&self, _: FileId) -> Input<'_> { Input { bytes: &[], end: InputEnd::Open } }
+//! #     fn consume(&mut self, _: FileId, _: usize) {}
+//! #     fn output(&mut self, _: FileId, _: &[u8]) -> Progress<Status> { Progress::Ready(Status::OK) }
+//! #     fn display(&mut self, _: TaskId, text: &[u8]) { self.text.push_str(&String::from_utf8_lossy(text)); }
+//! #     fn system_variable(&self, _: TaskId, _: &SysPath) -> Result<Value, Status> { Err(Status::VARS_UNKNOWN) }
+//! #     fn set_system_variable(&mut self, _: TaskId, _: &SysPath, _: SysValue) -> Result<(), Status> { Ok(()) }
+//! #     fn current_position(&mut self, _: TaskId, _: i32) -> Result<XyzwprExt, Status> { Ok(XyzwprExt::default()) }
+//! #     fn check_position(&mut self, _: TaskId, _: &XyzwprExt, _: &Position, _: &Position, _: i32) -> Status { Status::OK }
+//! #     fn start_motion(&mut self, _: TaskId, _: MotionRequest) -> Progress<Result<MotionId, Status>> { Progress::Ready(Ok(MotionId(1))) }
+//! #     fn motion_ended(&mut self, _: MotionId) -> Progress<Status> { Progress::Ready(Status::OK) }
+//! #     fn post_alarm(&mut self, _: TaskId, _: &RuntimeError) {}
+//! # }
+//! // `Screen` is a host that keeps what the program writes; see [`Host`] for what it implements.
+//! let mut host = Screen::default();
+//!
+//! let source = b"PROGRAM hello\nBEGIN\n  WRITE ('2 + 2 =', 2 + 2)\nEND hello\n";
+//! let program = Program::parse_and_check(source, "hello.kl").expect("no errors");
+//!
+//! let mut machine = Machine::new(Limits::default());
+//! machine.load(program)?;
+//! let task = machine.start("hello")?;
+//! assert_eq!(machine.run(task, 1_000, &mut host).run, Run::Ended);
+//! assert_eq!(host.text, "2 + 2 = 4");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod ast;
 mod builtins;
@@ -42,22 +102,8 @@ pub use host::{
 };
 pub use machine::{LoadError, Machine, StartError};
 pub use position::{Config, Elbow, Front, Position, Wrist, Xyzwpr, XyzwprExt};
-pub use program::Program;
+pub use program::{Program, syntax_tree};
 pub use run::{Limits, Run, Slice, TaskState, TaskView};
 pub use status::Status;
 pub use syspath::{Step, SysPath, SysPathError};
 pub use value::{SysValue, Text, Value};
-
-/// Parses `source` and writes its tree as S-expressions, one statement a line.
-///
-/// # Errors
-/// What the lexer and the parser found.
-pub fn syntax_tree(source: &[u8], file_name: &str) -> Result<String, Vec<Diagnostic>> {
-    let source = span::Source::new(source, file_name);
-    let mut reports = diagnostic::Reports::default();
-    let program = parser::parse(&source, &mut reports);
-    match program {
-        Some(program) if !reports.has_errors() => Ok(sexpr::program(&program)),
-        Some(_) | None => Err(reports.into_diagnostics(&source)),
-    }
-}

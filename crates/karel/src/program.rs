@@ -6,7 +6,7 @@ use crate::{
     check,
     diagnostic::{Diagnostic, Reports},
     ir::Code,
-    lower, parser,
+    lower, parser, sexpr,
     span::Source,
     types::Type,
 };
@@ -63,5 +63,18 @@ impl Program {
 
     pub(crate) fn name_arc(&self) -> Arc<str> {
         self.name.clone()
+    }
+}
+
+/// Parses `source` and writes its tree as S-expressions, one statement a line.
+///
+/// # Errors
+/// What the lexer and the parser found.
+pub fn syntax_tree(source: &[u8], file_name: &str) -> Result<String, Vec<Diagnostic>> {
+    let source = Source::new(source, file_name);
+    let mut reports = Reports::default();
+    match parser::parse(&source, &mut reports) {
+        Some(tree) if !reports.has_errors() => Ok(sexpr::program(&tree)),
+        Some(_) | None => Err(reports.into_diagnostics(&source)),
     }
 }

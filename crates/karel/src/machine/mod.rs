@@ -1,9 +1,12 @@
 //! The machine: programs, their variables, and tasks that execute them in slices.
 
 mod arithmetic;
+mod calls;
 pub(crate) mod cell;
 mod exec;
 pub(crate) mod fault;
+mod operands;
+mod outward;
 mod system;
 mod task;
 mod transfer;
@@ -142,6 +145,7 @@ impl Machine {
             operands: Vec::new(),
             pending: Pending::None,
             state: TaskState::Ready,
+            is_new: true,
         };
         task.operands.reserve(16);
         let _ = self.tasks.insert(id, task);
@@ -179,6 +183,9 @@ impl Machine {
                 used: 0,
             };
         };
+        if std::mem::take(&mut task.is_new) {
+            close_left_open(loaded, &mut self.globals, host);
+        }
         let mut exec = Exec {
             id,
             program: &loaded.program,
@@ -242,10 +249,30 @@ impl Machine {
         }
     }
 
+    /// Names of the programs that are loaded, upper case, oldest first.
+    pub fn programs(&self) -> impl Iterator<Item = &str> + '_ {
+        self.programs.iter().map(|loaded| loaded.program.name())
+    }
+
     fn find_program(&self, name: &str) -> Option<usize> {
         self.programs
             .iter()
             .position(|loaded| loaded.program.name().eq_ignore_ascii_case(name))
+    }
+}
+
+/// A program that starts finds its FILE variables closed.
+///
+/// ASSUMPTION: a run that was aborted leaves its connection open, but not its FILE variables, so
+/// that the next run can open them again.
+fn close_left_open(loaded: &Loaded, globals: &mut [Cell], host: &mut dyn Host) {
+    for file in &loaded.program.global_files {
+        if let Some(cell) = globals.get_mut((loaded.base + file) as usize) {
+            if let Some(file) = open_file(cell) {
+                let _ = host.close_file(file);
+            }
+            *cell = Cell::File(FileCell::default());
+        }
     }
 }
 
@@ -295,4 +322,4 @@ fn runtime_error(fault: Fault, task: &Task, program: &Program) -> RuntimeError {
 }
 
 /// Instructions stay small: the hot loop copies them.
-const _: () = assert!(size_of::<Op>() <= 8 && size_of::<Cell>() <= 24);
+const _: () = assert!(size_of::<Op>() <= 12 && size_of::<Cell>() <= 24);

@@ -22,6 +22,8 @@ pub(crate) struct Task {
     pub(crate) operands: Vec<Cell>,
     pub(crate) pending: Pending,
     pub(crate) state: TaskState,
+    /// It has not executed anything.
+    pub(crate) is_new: bool,
 }
 
 /// What a routine returns to.
