@@ -54,19 +54,8 @@ pub(crate) enum Op {
     StoreIndirect,
     /// Cuts the string on the stack.
     Truncate(u32),
-    /// Copies cells: a source address above a target address.
-    CopyCells(u32),
-    /// Copies a position: a source address above a target address.
-    CopyPosition {
-        from: PositionKind,
-        to: PositionKind,
-    },
 
     IntegerToReal,
-    NegateInteger,
-    NegateReal,
-    NotBoolean,
-    NotInteger,
     AddInteger,
     SubtractInteger,
     MultiplyInteger,
@@ -80,24 +69,47 @@ pub(crate) enum Op {
     DivideReal,
     AndBoolean,
     OrBoolean,
-    Concatenate,
     CompareInteger(Relation),
     CompareReal(Relation),
-    CompareText(Relation),
-    CompareBoolean(Relation),
 
     Jump(u32),
     JumpIfFalse(u32),
     JumpIfTrue(u32),
     Call(u32),
     Return,
+
+    /// Too seldom to make the hot loop larger.
+    Rare(Rare),
+    /// Ends something, waits, or asks the host.
+    Outward(Outward),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Rare {
+    NegateInteger,
+    NegateReal,
+    NotBoolean,
+    NotInteger,
+    Concatenate,
+    CompareText(Relation),
+    CompareBoolean(Relation),
+    /// Copies cells: a source address above a target address.
+    CopyCells(u32),
+    /// Copies a position: a source address above a target address.
+    CopyPosition {
+        from: PositionKind,
+        to: PositionKind,
+    },
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Outward {
     /// A function reached its END.
     MissingReturn,
     /// No CASE matched.
     NoCase,
     /// The END of the main body, or ABORT.
     EndTask,
-
     /// By a row of the table of built-in calls.
     Builtin(u32),
     /// By a row of the table of system variables; subscripts on the stack. A value of several
@@ -109,7 +121,6 @@ pub(crate) enum Op {
     FetchSystem(u32),
     /// Stores after an output argument was written, uninitialized or not.
     ReturnSystem(u32),
-
     OpenFile,
     CloseFile,
     CancelFile,

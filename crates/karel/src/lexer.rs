@@ -86,10 +86,10 @@ impl Lexer<'_> {
     }
 
     fn symbol(&mut self, symbol: Symbol, start: usize) {
-        match symbol {
-            Symbol::LeftParen | Symbol::LeftBracket => self.depth += 1,
-            Symbol::RightParen | Symbol::RightBracket => self.depth = self.depth.saturating_sub(1),
-            _ => {}
+        if matches!(symbol, Symbol::LeftParen | Symbol::LeftBracket) {
+            self.depth += 1;
+        } else if matches!(symbol, Symbol::RightParen | Symbol::RightBracket) {
+            self.depth = self.depth.saturating_sub(1);
         }
         self.push(TokenKind::Symbol(symbol), start);
     }
@@ -331,9 +331,12 @@ mod tests {
         let words = tokens
             .iter()
             .filter(|token| token.span.start() < text.len())
-            .map(|token| match token.kind {
-                TokenKind::LineEnd => "/".to_owned(),
-                _ => crate::span::latin1(source.slice(token.span)),
+            .map(|token| {
+                if token.kind == TokenKind::LineEnd {
+                    "/".to_owned()
+                } else {
+                    crate::span::latin1(source.slice(token.span))
+                }
             });
         words.collect::<Vec<_>>().join(" ")
     }

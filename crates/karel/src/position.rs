@@ -282,7 +282,16 @@ mod tests {
     fn extended_axes_are_zero_where_a_position_had_none() {
         let plain = Xyzwpr::from_components([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
         let extended = XyzwprExt::from(plain);
-        assert_eq!(extended.ext, [0.0; 3]);
+        let expected = XyzwprExt {
+            x: 1.0,
+            y: 2.0,
+            z: 3.0,
+            w: 4.0,
+            p: 5.0,
+            r: 6.0,
+            ..XyzwprExt::default()
+        };
+        assert_eq!(extended, expected);
         assert_eq!(Xyzwpr::from(extended), plain);
     }
 }

@@ -105,7 +105,7 @@ impl Printer {
                 self.line(&format!("(= {} {})", path(target), expr(value)));
             }
             StmtKind::Call { name, args } => {
-                self.line(&format!("(call {}{})", name.text, tail(args)))
+                self.line(&format!("(call {}{})", name.text, tail(args)));
             }
             StmtKind::If {
                 condition,
@@ -195,7 +195,8 @@ impl Printer {
 }
 
 fn tail(args: &[Expr]) -> String {
-    args.iter().map(|arg| format!(" {}", expr(arg))).collect()
+    args.iter()
+        .fold(String::new(), |list, arg| list + " " + &expr(arg))
 }
 
 fn file_name(file: Option<&Path>) -> String {

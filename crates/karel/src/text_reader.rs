@@ -180,11 +180,15 @@ impl<'a> Reader<'a> {
 
     /// `CR`: skips to the end of the line.
     fn line_end(&mut self) -> ReadResult {
-        if self.drop_line() {
-            ReadResult::Value(ReadValue::Nothing)
-        } else {
-            self.wait_or_end()
+        if self.rest().is_empty() {
+            return self.wait_or_end();
         }
+        if self.drop_line() {
+            return ReadResult::Value(ReadValue::Nothing);
+        }
+        // What is missing of the line is this item's own business.
+        self.line_state = LineState::Inside;
+        self.wait_or_end()
     }
 
     /// A number or a BOOLEAN without a width: blanks and line ends are skipped, then everything up
@@ -265,10 +269,8 @@ impl<'a> Reader<'a> {
                 }
             };
         };
-        let trimmed = match kind {
-            ItemKind::Text { .. } => field,
-            _ => field.trim_ascii(),
-        };
+        let is_text = matches!(kind, ItemKind::Text { .. });
+        let trimmed = if is_text { field } else { field.trim_ascii() };
         match parse(trimmed, kind) {
             Some(value) => {
                 self.offset += width;
@@ -361,11 +363,9 @@ fn can_become(token: &[u8], kind: ItemKind) -> bool {
     match kind {
         ItemKind::Integer { base } => digits(token, base),
         ItemKind::Real => {
+            // `-`, `1.5e+` and `1.5e` want a digit.
             let completed = [token, b"0"].concat();
-            parse_real(token).is_some()
-                || parse_real(&completed).is_some()
-                || token.ends_with(b"e")
-                || token.ends_with(b"E")
+            parse_real(token).is_some() || parse_real(&completed).is_some()
         }
         ItemKind::Boolean => [&b"TRUE"[..], b"FALSE"].iter().any(|word| {
             word.get(..token.len())
@@ -374,3 +374,6 @@ fn can_become(token: &[u8], kind: ItemKind) -> bool {
         ItemKind::Text { .. } | ItemKind::LineEnd => true,
     }
 }
+
+#[cfg(test)]
+mod tests;

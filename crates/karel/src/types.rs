@@ -148,6 +148,28 @@ impl Type {
         }
     }
 
+    /// The cartesian kind, if it is one.
+    pub(crate) fn position_kind(&self) -> Option<PositionKind> {
+        if let Type::Position(kind) = self {
+            Some(*kind)
+        } else {
+            None
+        }
+    }
+
+    /// The declared length of a string, or of an array of one dimension.
+    pub(crate) fn length(&self) -> Option<u32> {
+        if let Type::Text(TextLength::AtMost(length)) = self {
+            return Some(*length);
+        }
+        if let Type::Array(array) = self
+            && let [length] = array.dims.as_slice()
+        {
+            return Some(*length);
+        }
+        None
+    }
+
     /// Whether a value is one cell and travels on the operand stack.
     pub(crate) fn is_scalar(&self) -> bool {
         !matches!(

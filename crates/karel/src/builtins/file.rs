@@ -1,5 +1,10 @@
 //! Files and sockets.
 
+#![expect(
+    clippy::unnecessary_wraps,
+    reason = "all built-ins have the table's signature"
+)]
+
 use std::time::Duration;
 
 use super::{Builtin, Context, Outcome, Param, Returns};

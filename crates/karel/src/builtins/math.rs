@@ -38,13 +38,11 @@ fn integer(value: f32) -> Result<Outcome, Fault> {
 }
 
 fn abs(context: &mut Context<'_>) -> Result<Outcome, Fault> {
-    match context.arg(0) {
-        Cell::Integer(value) => {
-            let value = value.checked_abs().ok_or_else(Fault::overflow)?;
-            Ok(Outcome::Value(Cell::Integer(value)))
-        }
-        _ => Ok(Outcome::Value(Cell::Real(context.real(0).abs()))),
+    if let Cell::Integer(value) = context.arg(0) {
+        let value = value.checked_abs().ok_or_else(Fault::overflow)?;
+        return Ok(Outcome::Value(Cell::Integer(value)));
     }
+    Ok(Outcome::Value(Cell::Real(context.real(0).abs())))
 }
 
 /// ASSUMPTION: halves go away from zero.

@@ -19,7 +19,7 @@ use crate::{
     },
     program::Program,
     status::Status,
-    types::{PositionKind, TextLength, Type},
+    types::{PositionKind, Type},
     value::Text,
 };
 
@@ -191,33 +191,21 @@ impl Context<'_> {
     }
 
     fn integer(&self, number: usize) -> i32 {
-        match self.arg(number) {
-            Cell::Integer(value) => *value,
-            other => unreachable!("INTEGER argument expected, found {other:?}"),
-        }
+        self.arg(number).expect_integer()
     }
 
     fn real(&self, number: usize) -> f32 {
-        match self.arg(number) {
-            Cell::Real(value) => *value,
-            other => unreachable!("REAL argument expected, found {other:?}"),
-        }
+        self.arg(number).expect_real()
     }
 
     fn text(&self, number: usize) -> Text {
-        match self.arg(number) {
-            Cell::Text(value) => value.clone(),
-            other => unreachable!("STRING argument expected, found {other:?}"),
-        }
+        self.arg(number).expect_text()
     }
 
     /// The address of a variable, `None` if a constant stands in its place.
     fn address(&self, number: usize) -> Option<Address> {
-        match self.arg(number) {
-            Cell::Address(address) => Some(*address),
-            Cell::Uninit => None,
-            other => unreachable!("an address expected, found {other:?}"),
-        }
+        let arg = self.arg(number);
+        (*arg != Cell::Uninit).then(|| arg.expect_address())
     }
 
     /// The address of a variable that the checker insists on.
@@ -228,10 +216,10 @@ impl Context<'_> {
 
     /// Where a result of several cells goes.
     fn result(&self) -> Address {
-        match self.operands.first() {
-            Some(Cell::Address(address)) => *address,
-            other => unreachable!("an address for the result expected, found {other:?}"),
-        }
+        self.operands
+            .first()
+            .expect("lowering pushes the result's address")
+            .expect_address()
     }
 
     fn put(&mut self, number: usize, value: Cell) {
@@ -247,10 +235,7 @@ impl Context<'_> {
     /// Stores a string, cut to the variable's length.
     fn put_text(&mut self, number: usize, mut text: Text) {
         if let Some(address) = self.address(number) {
-            let length = match self.ty(number) {
-                Type::Text(TextLength::AtMost(length)) => *length,
-                _ => address.extra,
-            };
+            let length = self.ty(number).length().unwrap_or(address.extra);
             text.truncate(length as usize);
             self.memory.set(address, Cell::Text(text));
         }

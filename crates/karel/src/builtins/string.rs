@@ -1,5 +1,10 @@
 //! Strings. Positions count from 1.
 
+#![expect(
+    clippy::unnecessary_wraps,
+    reason = "all built-ins have the table's signature"
+)]
+
 use super::{Builtin, Context, Outcome, Param, Returns};
 use crate::{
     machine::{cell::Cell, fault::Fault},

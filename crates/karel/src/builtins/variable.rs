@@ -1,5 +1,10 @@
 //! Variables: of the system and of programs by path, uninitialized ones, lengths of arrays.
 
+#![expect(
+    clippy::unnecessary_wraps,
+    reason = "all built-ins have the table's signature"
+)]
+
 use super::{Builtin, Context, Outcome, Param, Returns};
 use crate::{
     machine::{cell::Cell, component_of, fault::Fault, find_variable, set_component},
@@ -26,10 +31,12 @@ fn uninit(context: &mut Context<'_>) -> Result<Outcome, Fault> {
 
 fn array_len(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     let open = context.variable(0).extra;
-    let length = match context.ty(0) {
-        Type::Array(array) => array.dims.first().copied().unwrap_or(open),
-        _ => open,
+    let length = if let Type::Array(array) = context.ty(0) {
+        array.dims.first().copied()
+    } else {
+        None
     };
+    let length = length.unwrap_or(open);
     Ok(Outcome::Value(Cell::Integer(
         i32::try_from(length).unwrap_or(i32::MAX),
     )))
@@ -164,10 +171,6 @@ fn get_var(context: &mut Context<'_>) -> Result<Outcome, Fault> {
         Err(status) => Err(status),
     };
     let at = context.variable(3);
-    let at = match context.ty(3) {
-        Type::Text(crate::types::TextLength::AtMost(length)) => at.with_extra(*length),
-        _ => at,
-    };
     let ty = context.ty(3).clone();
     let status = match found {
         Ok(value) if context.memory.set_value(at, &ty, &value) => Status::OK,

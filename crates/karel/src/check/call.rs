@@ -4,6 +4,7 @@ use super::{Checker, Home, Signature};
 use crate::{
     ast::{self, Name},
     builtins::{self, Builtin, Param, Returns},
+    span::Span,
     typed::{Arg, BuiltinCall, Call, Expr, ExprKind, StmtKind},
     types::{PositionKind, TextLength, Type},
 };
@@ -134,7 +135,8 @@ impl Checker<'_> {
         } else {
             format!("{least} to {most}")
         };
-        let message = format!("`{}` takes {takes} arguments, here are {given}", name.text);
+        let noun = if most == 1 { "argument" } else { "arguments" };
+        let message = format!("`{}` takes {takes} {noun}, here are {given}", name.text);
         self.reports.error(name.span, message);
     }
 
@@ -143,24 +145,32 @@ impl Checker<'_> {
     fn user_arg(&mut self, arg: &ast::Expr, formal: &Type) -> Arg {
         let value = self.expr(arg);
         let is_variable = matches!(arg.kind, ast::ExprKind::Path(_));
-        match value.kind {
-            ExprKind::Place(place) if is_variable && passes_by_reference(&place.ty, formal) => {
-                Arg::Reference(place)
+        if let ExprKind::Place(place) = value.kind {
+            if is_variable && passes_by_reference(&place.ty, formal) {
+                return Arg::Reference(place);
             }
-            kind => {
-                let value = self.convert(Expr { kind, ty: value.ty }, formal, arg.span);
-                if value.ty.holds_file() {
-                    self.reports
-                        .error(arg.span, "a FILE can only be passed as a variable");
-                }
-                let formal = if matches!(formal, Type::Array(array) if array.dims.is_empty()) {
-                    value.ty.clone()
-                } else {
-                    formal.clone()
-                };
-                Arg::Copy { value, formal }
-            }
+            let value = Expr {
+                ty: place.ty.clone(),
+                kind: ExprKind::Place(place),
+            };
+            return self.copied_arg(value, formal, arg.span);
         }
+        self.copied_arg(value, formal, arg.span)
+    }
+
+    fn copied_arg(&mut self, value: Expr, formal: &Type, span: Span) -> Arg {
+        let value = self.convert(value, formal, span);
+        if value.ty.holds_file() {
+            self.reports
+                .error(span, "a FILE can only be passed as a variable");
+        }
+        let open = matches!(formal, Type::Array(array) if array.dims.is_empty());
+        let formal = if open {
+            value.ty.clone()
+        } else {
+            formal.clone()
+        };
+        Arg::Copy { value, formal }
     }
 
     fn builtin_call(
@@ -298,9 +308,10 @@ impl Checker<'_> {
     /// A variable by reference, uninitialized or not, or any other value as a copy.
     fn any_value(&mut self, arg: &ast::Expr) -> (Arg, Type) {
         let value = self.expr(arg);
-        let ty = match value.ty {
-            Type::Text(_) => Type::TEXT,
-            ty => ty,
+        let ty = if matches!(value.ty, Type::Text(_)) {
+            Type::TEXT
+        } else {
+            value.ty
         };
         if matches!(ty, Type::File | Type::Array(_) | Type::Structure(_)) {
             self.reports.error(
@@ -308,15 +319,17 @@ impl Checker<'_> {
                 format!("a value of type {ty} is not supported here yet"),
             );
         }
-        let arg = match value.kind {
-            ExprKind::Place(place) => Arg::Reference(place),
-            kind => Arg::Copy {
-                value: Expr {
-                    kind,
-                    ty: ty.clone(),
-                },
+        let arg = if let ExprKind::Place(place) = value.kind {
+            Arg::Reference(place)
+        } else {
+            let value = Expr {
+                kind: value.kind,
+                ty: ty.clone(),
+            };
+            Arg::Copy {
+                value,
                 formal: ty.clone(),
-            },
+            }
         };
         (arg, ty)
     }

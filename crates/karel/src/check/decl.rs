@@ -103,9 +103,11 @@ impl Checker<'_> {
         {
             return;
         }
-        if scope.symbols.insert(name.text.clone(), symbol).is_some() {
+        if scope.symbols.contains_key(&name.text) {
             self.reports
                 .error(name.span, format!("`{}` is declared twice", name.text));
+        } else {
+            let _ = scope.symbols.insert(name.text.clone(), symbol);
         }
     }
 

@@ -88,29 +88,11 @@ impl Checker<'_> {
         let integers = left.ty == Type::Integer && right.ty == Type::Integer;
         let booleans = left.ty == Type::Boolean && right.ty == Type::Boolean;
         let texts = left.ty.is_text() && right.ty.is_text();
-        let result = |op, ty, left, right| {
-            Some(Expr {
-                kind: ExprKind::Binary {
-                    op,
-                    left: Box::new(left),
-                    right: Box::new(right),
-                },
-                ty,
-            })
-        };
         match op {
             BinaryOp::Add if texts => return result(Op::Concatenate, Type::TEXT, left, right),
-            BinaryOp::Add | BinaryOp::Subtract | BinaryOp::Multiply if numbers => {
-                let op = match op {
-                    BinaryOp::Add => Op::Add,
-                    BinaryOp::Subtract => Op::Subtract,
-                    _ => Op::Multiply,
-                };
-                if integers {
-                    return result(op, Type::Integer, left, right);
-                }
-                return result(op, Type::Real, to_real(left), to_real(right));
-            }
+            BinaryOp::Add if numbers => return sum(Op::Add, left, right),
+            BinaryOp::Subtract if numbers => return sum(Op::Subtract, left, right),
+            BinaryOp::Multiply if numbers => return sum(Op::Multiply, left, right),
             // INTEGER / INTEGER is a REAL.
             BinaryOp::Divide if numbers => {
                 return result(Op::Divide, Type::Real, to_real(left), to_real(right));
@@ -147,32 +129,19 @@ impl Checker<'_> {
             | BinaryOp::And
             | BinaryOp::Or => {}
         }
-        let message = format!(
-            "`{}` cannot be applied to {} and {}",
-            op.text(),
-            left.ty,
-            right.ty
-        );
-        match op {
-            BinaryOp::And | BinaryOp::Or if numbers || booleans => {
-                self.reports.error_with_help(
-                    span,
-                    message,
-                    "AND and OR take two INTEGERs or two BOOLEANs",
-                );
+        self.wrong_operands(op, &left.ty, &right.ty, span);
+        None
+    }
+
+    fn wrong_operands(&mut self, op: BinaryOp, left: &Type, right: &Type, span: Span) {
+        let message = format!("`{}` cannot be applied to {left} and {right}", op.text());
+        let relations = *left == Type::Boolean || *right == Type::Boolean;
+        let help = match op {
+            BinaryOp::And | BinaryOp::Or if relations => {
+                "AND and OR bind tighter than relations: put parentheses around each relation"
             }
-            BinaryOp::And | BinaryOp::Or => self.reports.error_with_help(
-                span,
-                message,
-                "AND and OR bind tighter than relations: put parentheses around each relation",
-            ),
-            BinaryOp::Div | BinaryOp::Mod => {
-                self.reports.error_with_help(
-                    span,
-                    message,
-                    "ROUND or TRUNC turns a REAL into an INTEGER",
-                );
-            }
+            BinaryOp::And | BinaryOp::Or => "AND and OR take two INTEGERs or two BOOLEANs",
+            BinaryOp::Div | BinaryOp::Mod => "ROUND or TRUNC turns a REAL into an INTEGER",
             BinaryOp::Add
             | BinaryOp::Subtract
             | BinaryOp::Multiply
@@ -181,9 +150,9 @@ impl Checker<'_> {
             | BinaryOp::Approx
             | BinaryOp::Compose
             | BinaryOp::Inner
-            | BinaryOp::Cross => self.reports.error(span, message),
-        }
-        None
+            | BinaryOp::Cross => return self.reports.error(span, message),
+        };
+        self.reports.error_with_help(span, message, help);
     }
 
     /// An expression that must be of type `wanted`, converted if KAREL converts it.
@@ -232,6 +201,24 @@ impl Checker<'_> {
             }
         }
     }
+}
+
+/// `+ - *` of two numbers: INTEGER if both are, else REAL.
+fn sum(op: Op, left: Expr, right: Expr) -> Option<Expr> {
+    if left.ty == Type::Integer && right.ty == Type::Integer {
+        return result(op, Type::Integer, left, right);
+    }
+    result(op, Type::Real, to_real(left), to_real(right))
+}
+
+#[expect(clippy::unnecessary_wraps, reason = "every caller returns it as it is")]
+fn result(op: Op, ty: Type, left: Expr, right: Expr) -> Option<Expr> {
+    let kind = ExprKind::Binary {
+        op,
+        left: Box::new(left),
+        right: Box::new(right),
+    };
+    Some(Expr { kind, ty })
 }
 
 fn is_equality(relation: Relation) -> bool {

@@ -37,6 +37,11 @@ impl Checker<'_> {
                 self.reports.error(path.root.span, message);
                 return None;
             }
+            None if predefined(&path.root.text).is_some() => {
+                let message = format!("`{}` is a constant, not a variable", path.root.text);
+                self.reports.error(path.root.span, message);
+                return None;
+            }
             None => {
                 self.undeclared(&path.root);
                 return None;
@@ -85,8 +90,13 @@ impl Checker<'_> {
         };
         let expected = array.dims.len().max(1);
         if checked.len() != expected {
+            let noun = if expected == 1 {
+                "subscript"
+            } else {
+                "subscripts"
+            };
             let message = format!(
-                "{} takes {expected} subscripts, here are {}",
+                "{} takes {expected} {noun}, here are {}",
                 place.ty,
                 checked.len()
             );

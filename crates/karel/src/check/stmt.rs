@@ -193,6 +193,7 @@ impl Checker<'_> {
                 return None;
             }
             (None, Some(result)) => {
+                self.frame.returns_value = true;
                 let help = format!("write RETURN (value), a value of type {result}");
                 self.reports
                     .error_with_help(span, "this function must return a value", help);

@@ -3,9 +3,9 @@
 use super::{Lowering, add_row, count};
 use crate::{
     ast::Relation,
-    ir::{BuiltinSite, Op},
+    ir::{BuiltinSite, Op, Outward, Rare},
     typed::{Arg, BuiltinCall, Call, Constant, Expr, ExprKind, Op as BinaryOp, SystemPlace},
-    types::{PositionKind, TextLength, Type},
+    types::{TextLength, Type},
     value::Text,
 };
 
@@ -25,7 +25,7 @@ impl Lowering<'_> {
             ExprKind::Place(place) => self.load(place),
             ExprKind::System(place) => {
                 let row = self.system(place);
-                self.emit(Op::LoadSystem(row));
+                self.emit(Op::Outward(Outward::LoadSystem(row)));
             }
             ExprKind::Call(call) => self.call(call),
             ExprKind::Builtin(call) => self.builtin(call),
@@ -33,18 +33,18 @@ impl Lowering<'_> {
                 self.scalar(operand);
                 let integer = operand.ty == Type::Integer;
                 self.emit(if integer {
-                    Op::NegateInteger
+                    Op::Rare(Rare::NegateInteger)
                 } else {
-                    Op::NegateReal
+                    Op::Rare(Rare::NegateReal)
                 });
             }
             ExprKind::Not(operand) => {
                 self.scalar(operand);
                 let integer = operand.ty == Type::Integer;
                 self.emit(if integer {
-                    Op::NotInteger
+                    Op::Rare(Rare::NotInteger)
                 } else {
-                    Op::NotBoolean
+                    Op::Rare(Rare::NotBoolean)
                 });
             }
             ExprKind::Binary { op, left, right } => {
@@ -87,7 +87,7 @@ impl Lowering<'_> {
                 let temp = self.temporary(expr.ty.size());
                 self.emit(Op::AddressLocal(temp));
                 let row = self.system(place);
-                self.emit(Op::LoadSystem(row));
+                self.emit(Op::Outward(Outward::LoadSystem(row)));
                 self.emit(Op::AddressLocal(temp));
             }
             ExprKind::Call(call) => {
@@ -123,21 +123,21 @@ impl Lowering<'_> {
             (_, Type::Position(_)) => self.copy_position(source, target),
             _ => {
                 self.value(source);
-                self.emit(Op::CopyCells(target.size()));
+                self.emit(Op::Rare(Rare::CopyCells(target.size())));
             }
         }
     }
 
     fn copy_position(&mut self, source: &Expr, target: &Type) {
         self.aggregate(source);
-        let kind = |ty: &Type| match ty {
-            Type::Position(kind) => *kind,
-            _ => PositionKind::Xyzwpr,
+        let kind = |ty: &Type| {
+            ty.position_kind()
+                .expect("the checker converts only positions")
         };
-        self.emit(Op::CopyPosition {
+        self.emit(Op::Rare(Rare::CopyPosition {
             from: kind(&source.ty),
             to: kind(target),
-        });
+        }));
     }
 
     /// The arguments of a call, then the call. The address for a result of several cells, if
@@ -169,11 +169,11 @@ impl Lowering<'_> {
             result_in_memory,
         };
         let row = add_row(&mut self.code.builtins, site);
-        self.emit(Op::Builtin(row));
+        self.emit(Op::Outward(Outward::Builtin(row)));
         for (temp, place) in outputs {
             self.emit(Op::AddressLocal(temp));
             let row = self.system(place);
-            self.emit(Op::ReturnSystem(row));
+            self.emit(Op::Outward(Outward::ReturnSystem(row)));
         }
     }
 
@@ -182,7 +182,7 @@ impl Lowering<'_> {
         let temp = self.temporary(place.ty.size());
         self.emit(Op::AddressLocal(temp));
         let row = self.system(place);
-        self.emit(Op::FetchSystem(row));
+        self.emit(Op::Outward(Outward::FetchSystem(row)));
         self.emit(Op::AddressLocal(temp));
         if let Type::Text(TextLength::AtMost(length)) = place.ty {
             self.emit(Op::Extra(length));
@@ -213,17 +213,10 @@ impl Lowering<'_> {
             self.copy_to_address(value, formal);
         }
         self.emit(Op::AddressLocal(temp));
-        match formal {
-            Type::Text(TextLength::AtMost(length)) => self.emit(Op::Extra(*length)),
-            Type::Text(TextLength::Any) => {
-                self.emit(Op::Extra(count(crate::types::MAX_STRING)));
-            }
-            Type::Array(array) => {
-                if let [length] = array.dims.as_slice() {
-                    self.emit(Op::Extra(*length));
-                }
-            }
-            _ => {}
+        let most = count(crate::types::MAX_STRING);
+        let any = (*formal == Type::TEXT).then_some(most);
+        if let Some(length) = formal.length().or(any) {
+            self.emit(Op::Extra(length));
         }
     }
 }
@@ -239,7 +232,7 @@ fn binary_op(op: BinaryOp, operands: &Type) -> Op {
         BinaryOp::Mod => Op::ModInteger,
         BinaryOp::And => pick(integer, Op::AndInteger, Op::AndBoolean),
         BinaryOp::Or => pick(integer, Op::OrInteger, Op::OrBoolean),
-        BinaryOp::Concatenate => Op::Concatenate,
+        BinaryOp::Concatenate => Op::Rare(Rare::Concatenate),
         BinaryOp::Relation(relation) => comparison(relation, operands),
     }
 }
@@ -251,8 +244,14 @@ fn pick(first: bool, yes: Op, no: Op) -> Op {
 fn comparison(relation: Relation, operands: &Type) -> Op {
     match operands {
         Type::Real => Op::CompareReal(relation),
-        Type::Text(_) => Op::CompareText(relation),
-        Type::Boolean => Op::CompareBoolean(relation),
-        _ => Op::CompareInteger(relation),
+        Type::Text(_) => Op::Rare(Rare::CompareText(relation)),
+        Type::Boolean => Op::Rare(Rare::CompareBoolean(relation)),
+        Type::Integer
+        | Type::File
+        | Type::Config
+        | Type::Position(_)
+        | Type::Array(_)
+        | Type::Structure(_)
+        | Type::Error => Op::CompareInteger(relation),
     }
 }

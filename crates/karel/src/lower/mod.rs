@@ -8,7 +8,7 @@ use std::collections::HashMap;
 
 use crate::{
     check::Checked,
-    ir::{Code, Op, RoutineCode},
+    ir::{Code, Op, Outward, RoutineCode},
     span::Source,
     typed::Routine,
 };
@@ -60,9 +60,9 @@ impl Lowering<'_> {
         self.stmts(&routine.body);
         self.line = self.source.line(routine.end);
         self.emit(if self.is_main {
-            Op::EndTask
+            Op::Outward(Outward::EndTask)
         } else if routine.result.is_some() {
-            Op::MissingReturn
+            Op::Outward(Outward::MissingReturn)
         } else {
             Op::Return
         });

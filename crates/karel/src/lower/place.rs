@@ -43,10 +43,10 @@ impl Lowering<'_> {
         self.emit(match (target, place.root) {
             (Some(Fixed::Global(cell)), _) => Op::StoreGlobal(cell),
             (Some(Fixed::Local(cell)), _) => Op::StoreLocal(cell),
-            (None, Root::Param(cell)) if direct => match place.ty {
-                Type::Text(TextLength::Any) => Op::StoreTextParam(cell),
-                _ => Op::StoreParam(cell),
-            },
+            (None, Root::Param(cell)) if direct && place.ty == Type::TEXT => {
+                Op::StoreTextParam(cell)
+            }
+            (None, Root::Param(cell)) if direct => Op::StoreParam(cell),
             (None, _) => Op::StoreIndirect,
         });
     }
@@ -97,17 +97,11 @@ impl Lowering<'_> {
         }
     }
 
-    /// Pushes the address of a place, with the length that `formal` leaves open beside it.
+    /// Pushes the address of a place, with the length of its string or array beside it.
     pub(super) fn reference(&mut self, place: &Place) {
         self.address(place);
-        match &place.ty {
-            Type::Text(TextLength::AtMost(length)) => self.emit(Op::Extra(*length)),
-            Type::Array(array) => {
-                if let [length] = array.dims.as_slice() {
-                    self.emit(Op::Extra(*length));
-                }
-            }
-            _ => {}
+        if let Some(length) = place.ty.length() {
+            self.emit(Op::Extra(length));
         }
     }
 
@@ -169,9 +163,10 @@ fn fixed_path(place: &SystemPlace) -> Option<SysPath> {
 }
 
 fn constant_integer(expr: &Expr) -> Option<i32> {
-    match expr.kind {
-        ExprKind::Constant(Constant::Integer(value)) => Some(value),
-        _ => None,
+    if let ExprKind::Constant(Constant::Integer(value)) = expr.kind {
+        Some(value)
+    } else {
+        None
     }
 }
 

@@ -3,7 +3,7 @@
 use super::{Lowering, add_row, count};
 use crate::{
     ast::{Direction, Relation},
-    ir::{Op, ReadPart, ReadShape, ScalarType, WritePart, WriteShape},
+    ir::{Op, Outward, ReadPart, ReadShape, ScalarType, WritePart, WriteShape},
     typed::{Case, Constant, Expr, ExprKind, Place, ReadItem, Stmt, StmtKind, Target, WriteItem},
     types::Type,
 };
@@ -40,7 +40,7 @@ impl Lowering<'_> {
             } => {
                 self.value(value);
                 let row = self.system(place);
-                self.emit(Op::StoreSystem(row));
+                self.emit(Op::Outward(Outward::StoreSystem(row)));
             }
             StmtKind::Call(call) => self.call(call),
             StmtKind::Builtin(call) => self.builtin(call),
@@ -82,25 +82,25 @@ impl Lowering<'_> {
                 self.address(file);
                 self.scalar(mode);
                 self.scalar(name);
-                self.emit(Op::OpenFile);
+                self.emit(Op::Outward(Outward::OpenFile));
             }
             StmtKind::CloseFile(file) => {
                 self.address(file);
-                self.emit(Op::CloseFile);
+                self.emit(Op::Outward(Outward::CloseFile));
             }
             StmtKind::CancelFile(file) => {
                 self.address(file);
-                self.emit(Op::CancelFile);
+                self.emit(Op::Outward(Outward::CancelFile));
             }
             StmtKind::Delay(time) => {
                 self.scalar(time);
-                self.emit(Op::Delay);
+                self.emit(Op::Outward(Outward::Delay));
             }
             StmtKind::MoveTo { target, waits } => {
                 self.value(target);
-                self.emit(Op::Move(*waits));
+                self.emit(Op::Outward(Outward::Move(*waits)));
             }
-            StmtKind::Abort => self.emit(Op::EndTask),
+            StmtKind::Abort => self.emit(Op::Outward(Outward::EndTask)),
         }
     }
 
@@ -201,7 +201,7 @@ impl Lowering<'_> {
         }
         match otherwise {
             Some(stmts) => self.stmts(stmts),
-            None => self.emit(Op::NoCase),
+            None => self.emit(Op::Outward(Outward::NoCase)),
         }
         let mut to_end = vec![self.emit_jump(Op::Jump)];
         for (number, case) in cases.iter().enumerate() {
@@ -219,7 +219,7 @@ impl Lowering<'_> {
     fn return_statement(&mut self, value: Option<&Expr>) {
         match value {
             // A RETURN of the main body ends the program.
-            None if self.is_main => return self.emit(Op::EndTask),
+            None if self.is_main => return self.emit(Op::Outward(Outward::EndTask)),
             None => {}
             Some(value) if value.ty.is_scalar() => self.scalar(value),
             Some(value) => {
@@ -258,7 +258,7 @@ impl Lowering<'_> {
                 operands,
             },
         );
-        self.emit(Op::Read(row));
+        self.emit(Op::Outward(Outward::Read(row)));
     }
 
     fn write(&mut self, file: Option<&Place>, items: &[WriteItem]) {
@@ -288,7 +288,7 @@ impl Lowering<'_> {
             operands,
         };
         let row = add_row(&mut self.code.writes, shape);
-        self.emit(Op::Write(row));
+        self.emit(Op::Outward(Outward::Write(row)));
     }
 }
 

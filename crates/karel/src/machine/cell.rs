@@ -4,7 +4,7 @@ use crate::{
     host::FileId,
     position::{Config, XyzwprExt},
     text_reader::LineState,
-    types::{CONFIG_OFFSET, PositionKind, Type},
+    types::{CONFIG_OFFSET, PositionKind, TextLength, Type},
     value::{Text, Value},
 };
 
@@ -22,6 +22,40 @@ pub(crate) enum Cell {
     File(FileCell),
     /// A reference, in parameter cells and on the operand stack.
     Address(Address),
+}
+
+/// The checker typed every operand, so a cell of another type is a bug of the lowering.
+impl Cell {
+    #[inline]
+    pub(crate) fn expect_integer(&self) -> i32 {
+        let Cell::Integer(value) = self else {
+            unreachable!("INTEGER expected, found {self:?}")
+        };
+        *value
+    }
+
+    #[inline]
+    pub(crate) fn expect_real(&self) -> f32 {
+        let Cell::Real(value) = self else {
+            unreachable!("REAL expected, found {self:?}")
+        };
+        *value
+    }
+
+    pub(crate) fn expect_text(&self) -> Text {
+        let Cell::Text(value) = self else {
+            unreachable!("STRING expected, found {self:?}")
+        };
+        value.clone()
+    }
+
+    #[inline]
+    pub(crate) fn expect_address(&self) -> Address {
+        let Cell::Address(value) = self else {
+            unreachable!("address expected, found {self:?}")
+        };
+        *value
+    }
 }
 
 /// The state of a FILE variable.
@@ -77,6 +111,7 @@ pub(crate) struct Memory<'a> {
 }
 
 impl Memory<'_> {
+    #[inline]
     pub(crate) fn get(&self, address: Address) -> &Cell {
         let index = (address.cell & !FRAME_BIT) as usize;
         let row = if address.cell & FRAME_BIT == 0 {
@@ -88,6 +123,7 @@ impl Memory<'_> {
             .expect("the checker gave every place its cells")
     }
 
+    #[inline]
     pub(crate) fn get_mut(&mut self, address: Address) -> &mut Cell {
         let index = (address.cell & !FRAME_BIT) as usize;
         let row = if address.cell & FRAME_BIT == 0 {
@@ -99,15 +135,16 @@ impl Memory<'_> {
             .expect("the checker gave every place its cells")
     }
 
+    #[inline]
     pub(crate) fn set(&mut self, address: Address, cell: Cell) {
         *self.get_mut(address) = cell;
     }
 
     pub(crate) fn file(&self, address: Address) -> FileCell {
-        match self.get(address) {
-            Cell::File(file) => *file,
-            other => unreachable!("a FILE variable holds {other:?}"),
-        }
+        let Cell::File(file) = self.get(address) else {
+            unreachable!("a FILE variable holds {:?}", self.get(address))
+        };
+        *file
     }
 
     pub(crate) fn set_file(&mut self, address: Address, file: FileCell) {
@@ -126,14 +163,15 @@ impl Memory<'_> {
     pub(crate) fn position(&self, at: Address, kind: PositionKind) -> Result<XyzwprExt, Fault> {
         let mut components = [0.0; 6];
         for (component, offset) in components.iter_mut().zip(0..) {
-            match self.get(at.plus(offset)) {
-                Cell::Real(value) => *component = *value,
-                _ => return Err(Fault::uninit()),
-            }
+            let Cell::Real(value) = self.get(at.plus(offset)) else {
+                return Err(Fault::uninit());
+            };
+            *component = *value;
         }
-        let config = match self.get(at.plus(CONFIG_OFFSET)) {
-            Cell::Config(config) => *config,
-            _ => Config::default(),
+        let config = if let Cell::Config(config) = self.get(at.plus(CONFIG_OFFSET)) {
+            *config
+        } else {
+            Config::default()
         };
         let mut ext = [0.0; 3];
         if kind == PositionKind::XyzwprExt {
@@ -224,8 +262,8 @@ impl Memory<'_> {
             (Type::Text(length), Value::String(text)) => {
                 let mut text = text.clone();
                 text.truncate(match length {
-                    crate::types::TextLength::AtMost(length) => *length as usize,
-                    crate::types::TextLength::Any => at.extra as usize,
+                    TextLength::AtMost(length) => *length as usize,
+                    TextLength::Any => at.extra as usize,
                 });
                 Cell::Text(text)
             }

@@ -1,9 +1,12 @@
 //! The machine: programs, their variables, and tasks that execute them in slices.
 
 mod arithmetic;
+mod calls;
 pub(crate) mod cell;
 mod exec;
 pub(crate) mod fault;
+mod operands;
+mod outward;
 mod system;
 mod task;
 mod transfer;
@@ -295,4 +298,4 @@ fn runtime_error(fault: Fault, task: &Task, program: &Program) -> RuntimeError {
 }
 
 /// Instructions stay small: the hot loop copies them.
-const _: () = assert!(size_of::<Op>() <= 8 && size_of::<Cell>() <= 24);
+const _: () = assert!(size_of::<Op>() <= 12 && size_of::<Cell>() <= 24);

@@ -118,12 +118,8 @@ impl Exec<'_> {
         if !set_component(&mut position, component, cell) {
             return Err(Fault::uninit());
         }
-        let whole = match whole {
-            Value::Xyzwpr(_) => Value::Xyzwpr(position.into()),
-            Value::XyzwprExt(_) => Value::XyzwprExt(position),
-            _ => Value::Position(position.into()),
-        };
-        self.set_whole(path, whole.into())
+        // Every cartesian system variable that is known is a POSITION.
+        self.set_whole(path, Value::Position(position.into()).into())
     }
 
     fn whole(&mut self, path: &SysPath) -> Result<Value, Fault> {
@@ -152,10 +148,7 @@ impl Exec<'_> {
                     let mut subscripts = Vec::new();
                     for _ in 0..*count {
                         below -= 1;
-                        let Cell::Integer(subscript) = *self.operand(below) else {
-                            unreachable!("INTEGER subscript expected");
-                        };
-                        subscripts.push(subscript);
+                        subscripts.push(self.operand(below).expect_integer());
                     }
                     path.unwrap_or_else(|| SysPath::from_name(""))
                         .index(&subscripts)
@@ -250,7 +243,7 @@ pub(crate) fn set_component(position: &mut XyzwprExt, component: u32, cell: &Cel
     true
 }
 
-/// Where a value of a variable is; what GET_VAR and SET_VAR find by a path.
+/// Where a value of a variable is; what `GET_VAR` and `SET_VAR` find by a path.
 #[derive(Debug)]
 pub(crate) struct Found {
     pub(crate) at: Address,

@@ -17,7 +17,7 @@ use crate::{
 };
 
 impl Exec<'_> {
-    pub(super) fn open_file(&mut self) -> Result<Flow, Fault> {
+    pub(super) fn open_file(&mut self) -> Flow {
         let (name, mode, at) = (self.pop_text(), self.pop_text(), self.pop_address());
         let mut file = self.memory().file(at);
         let mode = match mode.as_bytes().trim_ascii().to_ascii_uppercase().as_slice() {
@@ -44,7 +44,7 @@ impl Exec<'_> {
         };
         file.status = status.0;
         self.memory().set_file(at, file);
-        Ok(Flow::Next)
+        Flow::Next
     }
 
     /// Closing a file that is not open is status 0.
@@ -128,10 +128,7 @@ impl Exec<'_> {
             ),
             ReadPart::Value { ty, formats } => {
                 let target = self.operand_address(below);
-                let format = |number: usize| match self.operand(below - number) {
-                    Cell::Integer(value) => *value,
-                    other => unreachable!("INTEGER format expected, found {other:?}"),
-                };
+                let format = |number: usize| self.operand(below - number).expect_integer();
                 let width = (*formats >= 1).then(|| format(1));
                 let second = (*formats >= 2).then(|| format(2));
                 (Some(target), item_format(*ty, target.extra, width, second))
@@ -243,7 +240,9 @@ impl Exec<'_> {
                 Cell::Real(value) => text_writer::real(&mut out, *value, width, digits),
                 Cell::Boolean(value) => text_writer::boolean(&mut out, *value, width),
                 Cell::Text(value) => text_writer::text(&mut out, value.as_bytes(), width),
-                other => unreachable!("the checker refuses WRITE of {other:?}"),
+                Cell::Uninit | Cell::Config(_) | Cell::File(_) | Cell::Address(_) => {
+                    unreachable!("the checker refuses WRITE of {value:?}")
+                }
             }
         }
         Ok(out)
@@ -255,13 +254,10 @@ fn bad_format(status: Status) -> Fault {
 }
 
 fn write_width(cell: &Cell) -> Result<usize, Status> {
-    match cell {
-        Cell::Integer(width) => usize::try_from(*width)
-            .ok()
-            .filter(|width| *width <= text_writer::MAX_WIDTH)
-            .ok_or(Status::INTP_ARGUMENT),
-        other => unreachable!("INTEGER format expected, found {other:?}"),
-    }
+    let width = usize::try_from(cell.expect_integer()).ok();
+    width
+        .filter(|width| *width <= text_writer::MAX_WIDTH)
+        .ok_or(Status::INTP_ARGUMENT)
 }
 
 fn part_operands(part: &ReadPart) -> usize {

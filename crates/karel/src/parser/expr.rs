@@ -51,10 +51,12 @@ impl Parser<'_> {
 
     /// A sign before the first term of a sum covers that whole term: `-a * b` is `-(a * b)`.
     fn signed(&mut self) -> Parsed<Expr> {
-        let op = match self.peek().kind {
-            TokenKind::Symbol(Symbol::Plus) => UnaryOp::Plus,
-            TokenKind::Symbol(Symbol::Minus) => UnaryOp::Minus,
-            _ => return self.primary(),
+        let op = if self.at_symbol(Symbol::Plus) {
+            UnaryOp::Plus
+        } else if self.at_symbol(Symbol::Minus) {
+            UnaryOp::Minus
+        } else {
+            return self.primary();
         };
         let sign = self.bump().span;
         let operand = self.nested(|parser| parser.binary(PRODUCT))?;
@@ -92,6 +94,10 @@ impl Parser<'_> {
         })
     }
 
+    #[expect(
+        clippy::wildcard_enum_match_arm,
+        reason = "any other token is no operator"
+    )]
     fn operator(&self) -> Option<(BinaryOp, u8)> {
         let relation = |relation| Some((BinaryOp::Relation(relation), RELATION));
         match self.peek().kind {
@@ -117,6 +123,10 @@ impl Parser<'_> {
         }
     }
 
+    #[expect(
+        clippy::wildcard_enum_match_arm,
+        reason = "any other token starts no expression"
+    )]
     fn primary(&mut self) -> Parsed<Expr> {
         let token = self.peek();
         let text = self.source.slice(token.span);

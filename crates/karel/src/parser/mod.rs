@@ -6,6 +6,7 @@
 
 mod decl;
 mod expr;
+mod io;
 mod stmt;
 
 use crate::{

@@ -2,7 +2,7 @@
 
 use super::{Parsed, Parser, Reported};
 use crate::{
-    ast::{Case, Direction, Expr, ExprKind, Item, ItemKind, Stmt, StmtKind, Waits},
+    ast::{Case, Direction, Expr, ExprKind, Stmt, StmtKind},
     span::Span,
     token::{Keyword, Symbol, TokenKind},
 };
@@ -43,40 +43,41 @@ impl Parser<'_> {
             if self.reports.is_full() {
                 self.position = self.tokens.len();
             }
-            match self.peek().kind {
-                TokenKind::EndOfFile => return stmts,
-                TokenKind::Directive => self.position += 1,
-                TokenKind::Keyword(word) if closes_block(word) => {
-                    if self.open_blocks.iter().any(|open| open.contains(&word)) {
-                        return stmts;
-                    }
-                    let span = self.bump().span;
-                    self.reports
-                        .error(span, format!("{} closes nothing here", word.text()));
-                    self.skip_to_separator();
+            let kind = self.peek().kind;
+            if kind == TokenKind::EndOfFile {
+                return stmts;
+            } else if kind == TokenKind::Directive {
+                self.position += 1;
+            } else if let TokenKind::Keyword(word) = kind
+                && closes_block(word)
+            {
+                if self.open_blocks.iter().any(|open| open.contains(&word)) {
+                    return stmts;
                 }
-                _ => self.block_statement(&mut stmts),
+                let span = self.bump().span;
+                self.reports
+                    .error(span, format!("{} closes nothing here", word.text()));
+                self.skip_to_separator();
+            } else {
+                self.block_statement(&mut stmts);
             }
         }
     }
 
     fn block_statement(&mut self, stmts: &mut Vec<Stmt>) {
         let start = self.position;
-        match self.nested(Self::statement) {
-            Ok(stmt) => {
-                let label = matches!(stmt.kind, StmtKind::Label(_));
-                stmts.push(stmt);
-                if !label && !self.at_statement_end() {
-                    let _ = self.expected("the end of the statement");
-                    self.skip_to_separator();
-                }
+        let Ok(stmt) = self.nested(Self::statement) else {
+            self.skip_to_separator();
+            if self.position == start {
+                self.position += 1;
             }
-            Err(Reported) => {
-                self.skip_to_separator();
-                if self.position == start {
-                    self.position += 1;
-                }
-            }
+            return;
+        };
+        let label = matches!(stmt.kind, StmtKind::Label(_));
+        stmts.push(stmt);
+        if !label && !self.at_statement_end() {
+            let _ = self.expected("the end of the statement");
+            self.skip_to_separator();
         }
     }
 
@@ -216,6 +217,12 @@ impl Parser<'_> {
         }
         if self.at_symbol(Symbol::LeftParen) {
             let args = self.arguments()?;
+            if self.at_symbol(Symbol::Equal) {
+                let message = format!("`{}(..)` cannot be assigned to", path.root.text);
+                let help = "subscripts stand in `[` and `]`";
+                self.reports.error_with_help(path.root.span, message, help);
+                return Err(Reported);
+            }
             return Ok(StmtKind::Call {
                 name: path.root,
                 args,
@@ -341,116 +348,6 @@ impl Parser<'_> {
         Ok(StmtKind::Return(None))
     }
 
-    /// READ and WRITE differ only in what their items may be, and the checker knows that.
-    fn transfer_statement(&mut self, keyword: Keyword) -> Parsed<StmtKind> {
-        self.position += 1;
-        let file = if self.at_symbol(Symbol::LeftParen) {
-            None
-        } else {
-            Some(self.path()?)
-        };
-        let _ = self.expect_symbol(Symbol::LeftParen)?;
-        let mut items = Vec::new();
-        loop {
-            items.push(self.item()?);
-            if !self.eat_symbol(Symbol::Comma) {
-                break;
-            }
-        }
-        let _ = self.expect_symbol(Symbol::RightParen)?;
-        Ok(if keyword == Keyword::Read {
-            StmtKind::Read { file, items }
-        } else {
-            StmtKind::Write { file, items }
-        })
-    }
-
-    fn item(&mut self) -> Parsed<Item> {
-        let start = self.peek().span;
-        let kind = if self.eat_keyword(Keyword::Cr) {
-            ItemKind::LineEnd
-        } else {
-            ItemKind::Value(self.expression()?)
-        };
-        let mut formats = Vec::new();
-        while self.at_symbol(Symbol::DoubleColon) {
-            let at = self.bump().span;
-            if formats.len() == 2 {
-                self.reports
-                    .error(at, "an item has at most two format specifiers");
-                return Err(Reported);
-            }
-            formats.push(self.simple()?);
-        }
-        Ok(Item {
-            kind,
-            formats,
-            span: start.to(self.previous_span()),
-        })
-    }
-
-    fn open_statement(&mut self) -> Parsed<StmtKind> {
-        self.position += 1;
-        if self.at_word("HAND") {
-            return Ok(self.unsupported_line("OPEN HAND"));
-        }
-        self.expect_word("FILE")?;
-        let file = self.path()?;
-        let _ = self.expect_symbol(Symbol::LeftParen)?;
-        let mode = self.expression()?;
-        let _ = self.expect_symbol(Symbol::Comma)?;
-        let name = self.expression()?;
-        let _ = self.expect_symbol(Symbol::RightParen)?;
-        Ok(StmtKind::OpenFile { file, mode, name })
-    }
-
-    fn close_statement(&mut self) -> Parsed<StmtKind> {
-        self.position += 1;
-        if self.at_word("HAND") {
-            return Ok(self.unsupported_line("CLOSE HAND"));
-        }
-        self.expect_word("FILE")?;
-        Ok(StmtKind::CloseFile(self.path()?))
-    }
-
-    fn cancel_statement(&mut self) -> Parsed<StmtKind> {
-        self.position += 1;
-        if self.at_word("FILE") {
-            self.position += 1;
-            return Ok(StmtKind::CancelFile(self.path()?));
-        }
-        Ok(self.unsupported_line("CANCEL of a motion"))
-    }
-
-    fn move_statement(&mut self) -> Parsed<StmtKind> {
-        self.position += 1;
-        if !self.eat_keyword(Keyword::To) {
-            let word = self.peek();
-            if word.kind != TokenKind::Name {
-                return Err(self.expected("TO"));
-            }
-            let what = format!("MOVE {}", self.name_of(word.span).text);
-            return Ok(self.unsupported_line(&what));
-        }
-        let target = self.expression()?;
-        let waits = if self.eat_keyword(Keyword::NoWait) {
-            Waits::No
-        } else {
-            Waits::Yes
-        };
-        if self.at_word("VIA") {
-            return Ok(self.unsupported_line("MOVE TO .. VIA"));
-        }
-        if self.eat_symbol(Symbol::Comma) {
-            return Ok(if self.at_word("WHEN") {
-                self.unsupported_until("MOVE TO with WHEN", Keyword::EndMove)
-            } else {
-                self.unsupported_line("MOVE TO with UNTIL")
-            });
-        }
-        Ok(StmtKind::MoveTo { target, waits })
-    }
-
     fn using_statement(&mut self) -> Parsed<StmtKind> {
         let opener = self.bump().span;
         let _ = self.head(Keyword::Do, |parser| {
@@ -470,29 +367,12 @@ impl Parser<'_> {
         Ok(StmtKind::Unsupported("USING".to_owned()))
     }
 
-    fn at_word(&self, word: &str) -> bool {
-        let token = self.peek();
-        token.kind == TokenKind::Name
-            && self
-                .source
-                .slice(token.span)
-                .eq_ignore_ascii_case(word.as_bytes())
-    }
-
-    fn expect_word(&mut self, word: &str) -> Parsed<()> {
-        if self.at_word(word) {
-            self.position += 1;
-            return Ok(());
-        }
-        Err(self.expected(word))
-    }
-
-    fn unsupported_line(&mut self, what: &str) -> StmtKind {
+    pub(super) fn unsupported_line(&mut self, what: &str) -> StmtKind {
         self.skip_to_separator();
         StmtKind::Unsupported(what.to_owned())
     }
 
-    fn unsupported_until(&mut self, what: &str, closer: Keyword) -> StmtKind {
+    pub(super) fn unsupported_until(&mut self, what: &str, closer: Keyword) -> StmtKind {
         while !self.at_keyword(closer)
             && !self.at_keyword(Keyword::End)
             && self.peek().kind != TokenKind::EndOfFile

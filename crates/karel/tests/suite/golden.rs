@@ -37,7 +37,7 @@ fn golden_cases_give_what_they_gave() {
             fs::write(&golden, &found).unwrap();
             continue;
         }
-        let expected = fs::read_to_string(&golden).unwrap_or_default();
+        let expected = String::from_utf8(fs::read(&golden).unwrap_or_default()).unwrap();
         if expected != found {
             let _ = writeln!(
                 differences,

@@ -2,7 +2,6 @@
 
 use std::{
     collections::{BTreeMap, VecDeque},
-    fmt::Write as _,
     time::Duration,
 };
 
@@ -21,7 +20,7 @@ pub(crate) enum Event {
     Send(Vec<u8>),
     /// It closes its side.
     Close,
-    /// A MSG_CONNECT that fails with this status.
+    /// A `MSG_CONNECT` that fails with this status.
     FailConnect(i32),
     /// The motion queue refuses with this status.
     FailMotion(i32),
@@ -316,14 +315,12 @@ pub(crate) fn run(machine: &mut Machine, task: TaskId, host: &mut ScriptedHost) 
             Run::Ended => return host.note("end"),
             Run::Aborted(error) => {
                 host.note(&format!("aborted: {error}"));
-                for call in &error.calls {
-                    let mut line = String::new();
-                    let _ = write!(
-                        line,
-                        "  {} {} line {}",
-                        call.program, call.routine, call.line
-                    );
-                    host.note(&line);
+                for (depth, call) in error.calls.iter().enumerate() {
+                    let hidden = depth >= 3 && depth + 1 < error.calls.len();
+                    if !hidden {
+                        let (program, routine, line) = (&call.program, &call.routine, call.line);
+                        host.note(&format!("  {depth}: {program} {routine} line {line}"));
+                    }
                 }
                 return;
             }

@@ -1,4 +1,8 @@
 //! KAREL programs against a scripted host.
+#![expect(
+    clippy::unwrap_used,
+    reason = "helpers of tests, where a failure is a failed test"
+)]
 
 mod golden;
 mod host;

@@ -1,1 +1,196 @@
-//! To be filled.
+//! Nothing that comes from outside makes the crate panic, hang or overflow its stack.
+
+use karel::{Limits, Machine, Program, Run};
+use proptest::prelude::*;
+
+use crate::host::{Event, ScriptedHost};
+
+const PROGRAMS: [&[u8]; 5] = [
+    include_bytes!("../../../../programs/sock_server.kl"),
+    include_bytes!("../cases/arrays_and_structures.kl"),
+    include_bytes!("../cases/control_flow.kl"),
+    include_bytes!("../cases/strings.kl"),
+    include_bytes!("../cases/positions_and_system_variables.kl"),
+];
+
+/// Translates, and runs what is legal for a while.
+fn exercise(source: &[u8]) {
+    let _ = karel::syntax_tree(source, "x.kl");
+    let program = match Program::parse_and_check(source, "x.kl") {
+        Ok(program) => program,
+        Err(diagnostics) => {
+            assert!(!diagnostics.is_empty(), "refused without a reason");
+            let _ = karel::render(&diagnostics);
+            return;
+        }
+    };
+    let name = program.name().to_owned();
+    let mut machine = Machine::new(Limits::default());
+    machine.load(program).unwrap();
+    let task = machine.start(&name).unwrap();
+    let command = b"600000 200000 600000 -180000 30000 0 300 1".to_vec();
+    let mut host = ScriptedHost::new(vec![Event::Connect, Event::Send(command), Event::Close]);
+    for _ in 0..50 {
+        let slice = machine.run(task, 500, &mut host);
+        match slice.run {
+            Run::OutOfFuel => {}
+            Run::Blocked(wait) if host.satisfy(&wait) => {}
+            Run::Blocked(_) | Run::Ended | Run::Aborted(_) => return,
+        }
+    }
+}
+
+/// A change of a program.
+#[derive(Clone, Debug)]
+enum Mutation {
+    Delete {
+        at: usize,
+        count: usize,
+    },
+    Replace {
+        at: usize,
+        byte: u8,
+    },
+    /// Swaps two words, which often stays legal.
+    SwapWords {
+        a: usize,
+        b: usize,
+    },
+    CopyWord {
+        from: usize,
+        to: usize,
+    },
+}
+
+fn mutations() -> impl Strategy<Value = Vec<Mutation>> {
+    let any = any::<usize>();
+    let one = prop_oneof![
+        (any, 0_usize..8).prop_map(|(at, count)| Mutation::Delete { at, count }),
+        (any, proptest::char::range(' ', '~'))
+            .prop_map(|(at, c)| Mutation::Replace { at, byte: c as u8 }),
+        (any, any).prop_map(|(a, b)| Mutation::SwapWords { a, b }),
+        (any, any).prop_map(|(from, to)| Mutation::CopyWord { from, to }),
+    ];
+    proptest::collection::vec(one, 1..4)
+}
+
+fn mutate(source: &[u8], mutation: &Mutation) -> Vec<u8> {
+    let mut bytes = source.to_vec();
+    let length = bytes.len().max(1);
+    match mutation {
+        Mutation::Delete { at, count } => {
+            let start = (at % length).min(bytes.len());
+            let end = (start + count).min(bytes.len());
+            drop(bytes.drain(start..end));
+        }
+        Mutation::Replace { at, byte } => {
+            if let Some(slot) = bytes.get_mut(at % length) {
+                *slot = *byte;
+            }
+        }
+        Mutation::SwapWords { a, b } => {
+            return with_words(&bytes, |words, count| words.swap(a % count, b % count));
+        }
+        Mutation::CopyWord { from, to } => {
+            return with_words(&bytes, |words, count| {
+                words[to % count] = words[from % count].clone()
+            });
+        }
+    }
+    bytes
+}
+
+/// Changes the words of the lines that are not comments.
+fn with_words(bytes: &[u8], change: impl FnOnce(&mut [String], usize)) -> Vec<u8> {
+    let text: String = bytes.iter().map(|byte| char::from(*byte)).collect();
+    let lines = text
+        .lines()
+        .filter(|line| !line.trim_start().starts_with("--"));
+    let mut words: Vec<String> = lines
+        .flat_map(|line| {
+            line.split_inclusive(' ')
+                .map(str::to_owned)
+                .chain(["\n".to_owned()])
+        })
+        .collect();
+    let count = words.len();
+    if count > 0 {
+        change(&mut words, count);
+    }
+    words
+        .concat()
+        .chars()
+        .map(|c| u8::try_from(c).unwrap())
+        .collect()
+}
+
+proptest! {
+    #[test]
+    fn arbitrary_bytes_never_panic(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {
+        exercise(&bytes);
+    }
+
+    #[test]
+    fn arbitrary_words_never_panic(
+        words in proptest::collection::vec(
+            prop_oneof![
+                "PROGRAM|BEGIN|END|IF|THEN|ELSE|ENDIF|WHILE|DO|ENDWHILE|FOR|TO|ENDFOR|SELECT|OF|CASE|ENDSELECT",
+                "VAR|CONST|TYPE|ROUTINE|STRUCTURE|ENDSTRUCTURE|ARRAY|STRING|INTEGER|REAL|READ|WRITE|OPEN|FILE|MOVE",
+                "[a-c]|x|1|2\\.5|'s'|=|<|\\+|-|\\*|/|\\(|\\)|\\[|\\]|,|:|::|;|\\.|&|%|--|\\$SPEED|\\$UTOOL",
+                Just("\n".to_owned()),
+            ],
+            0..120,
+        )
+    ) {
+        exercise(format!("PROGRAM x\nVAR a, b: INTEGER\nBEGIN\n{}\nEND x\n", words.join(" ")).as_bytes());
+        exercise(words.join(" ").as_bytes());
+    }
+
+    #[test]
+    fn mutated_programs_never_panic(which in 0..PROGRAMS.len(), mutations in mutations()) {
+        let mut source = PROGRAMS[which].to_vec();
+        for mutation in &mutations {
+            source = mutate(&source, mutation);
+        }
+        exercise(&source);
+    }
+}
+
+#[test]
+fn every_prefix_of_a_program_is_handled() {
+    let source = PROGRAMS[1];
+    for length in 0..source.len() {
+        exercise(&source[..length]);
+    }
+}
+
+#[test]
+fn types_within_types_and_huge_variables_are_refused() {
+    let chain: String = (1..5_000)
+        .map(|n| format!("t{n} = ARRAY[1] OF t{}\n", n - 1))
+        .collect();
+    let deep =
+        format!("PROGRAM x\nTYPE\nt0 = ARRAY[1] OF INTEGER\n{chain}VAR v: t4999\nBEGIN\nEND x\n");
+    let refused = Program::parse_and_check(deep.as_bytes(), "x.kl").unwrap_err();
+    assert!(
+        refused[0].message.contains("in each other"),
+        "{}",
+        refused[0]
+    );
+    let huge = b"PROGRAM x\nVAR v: ARRAY[1000, 1000, 1000] OF STRING[254]\nBEGIN\nEND x\n";
+    let refused = Program::parse_and_check(huge, "x.kl").unwrap_err();
+    assert!(
+        refused[0].message.contains("cells of memory"),
+        "{}",
+        refused[0]
+    );
+}
+
+#[test]
+fn the_deepest_legal_nesting_translates_and_runs() {
+    let open = "IF TRUE THEN\n".repeat(95);
+    let close = "ENDIF\n".repeat(95);
+    let parens = format!("{}1{}", "(".repeat(95), ")".repeat(95));
+    let sum = format!("1{}", " + 1".repeat(190));
+    exercise(format!("PROGRAM x\nBEGIN\n{open}{close}WRITE ({parens}, {sum})\nEND x\n").as_bytes());
+}

@@ -1,0 +1,66 @@
+//! Calls and returns.
+//!
+//! A frame is a range of cells: references to the arguments, then locals and temporaries. Callers
+//! wait in a list, not on the stack of this process.
+
+use super::{
+    cell::{Cell, FileCell},
+    exec::{Exec, Flow, row_of},
+    fault::Fault,
+    task::Caller,
+};
+use crate::status::Status;
+
+impl Exec<'_> {
+    pub(super) fn call(&mut self, routine: u32) -> Result<Flow, Fault> {
+        let program = self.program;
+        let code = row_of(&program.code.routines, routine);
+        let base = self.task.frames.len();
+        let cells = base + code.frame_cells as usize;
+        if self.task.callers.len() >= self.limits.call_depth || cells > self.limits.stack_cells {
+            return Err(Fault::new(Status::INTP_STACK_OVERFLOW, "Stack overflow"));
+        }
+        self.task.callers.push(Caller {
+            routine: self.task.routine,
+            pc: self.task.pc + 1,
+            base: self.task.base,
+        });
+        let args = self.task.operands.len() - code.args as usize;
+        self.task.frames.extend(self.task.operands.drain(args..));
+        self.task.frames.resize(cells, Cell::Uninit);
+        for file in &code.files {
+            if let Some(cell) = self.task.frames.get_mut(base + *file as usize) {
+                *cell = Cell::File(FileCell::default());
+            }
+        }
+        self.task.base = base;
+        self.task.routine = routine;
+        Ok(self.jump(code.entry))
+    }
+
+    pub(super) fn return_from_call(&mut self) -> Flow {
+        let program = self.program;
+        let has_files = !row_of(&program.code.routines, self.task.routine)
+            .files
+            .is_empty();
+        if has_files {
+            self.close_locals(self.task.base);
+        }
+        let Some(caller) = self.task.callers.pop() else {
+            return Flow::Ended;
+        };
+        self.task.frames.truncate(self.task.base);
+        self.task.base = caller.base;
+        self.task.routine = caller.routine;
+        self.task.pc = caller.pc;
+        Flow::Jumped
+    }
+
+    /// Closes the FILE variables of frames that go away.
+    pub(super) fn close_locals(&mut self, from: usize) {
+        let cells = self.task.frames.get(from..).unwrap_or_default();
+        for file in cells.iter().filter_map(super::open_file) {
+            let _ = self.host.close_file(file);
+        }
+    }
+}

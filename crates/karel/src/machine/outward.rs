@@ -1,0 +1,155 @@
+//! Instructions that end something, wait, or ask the host.
+
+use super::{
+    cell::Memory,
+    exec::{Exec, Flow, row_of},
+    fault::Fault,
+    task::Pending,
+};
+use crate::{
+    ast::Waits,
+    builtins::{Context, Outcome},
+    host::{MotionRequest, MoveEnd, Progress, Wait},
+    ir::Outward,
+    status::Status,
+    types::PositionKind,
+};
+
+impl Exec<'_> {
+    /// Executes one of them.
+    #[inline(never)]
+    pub(super) fn outward(&mut self, op: Outward) -> Result<Flow, Fault> {
+        match op {
+            Outward::MissingReturn => Err(Fault::new(
+                Status::new(12, 321),
+                "END of a function without RETURN",
+            )),
+            Outward::NoCase => Err(Fault::new(Status::INTP_NO_CASE, "No match in CASE")),
+            Outward::EndTask => {
+                self.close_locals(0);
+                Ok(Flow::Ended)
+            }
+            Outward::Builtin(row) => self.builtin(row),
+            Outward::LoadSystem(row) => self.load_system(row),
+            Outward::StoreSystem(row) => self.store_system(row),
+            Outward::FetchSystem(row) => self.fetch_system(row),
+            Outward::ReturnSystem(row) => self.return_system(row),
+            Outward::OpenFile => Ok(self.open_file()),
+            Outward::CloseFile => Ok(self.close_file()),
+            Outward::CancelFile => Ok(self.cancel_file()),
+            Outward::Read(row) => Ok(self.read(row)),
+            Outward::Write(row) => self.write(row),
+            Outward::Delay => self.delay(),
+            Outward::Move(waits) => self.move_to(waits),
+        }
+    }
+
+    fn builtin(&mut self, row: u32) -> Result<Flow, Fault> {
+        if let Some(flow) = self.pause_is_over() {
+            return Ok(flow);
+        }
+        let program = self.program;
+        let site = row_of(&program.code.builtins, row);
+        let count = site.operands as usize;
+        let start = self.task.operands.len() - count;
+        let mut context = Context {
+            task: self.id,
+            program: self.program,
+            programs: self.programs,
+            host: self.host,
+            memory: Memory {
+                globals: self.globals,
+                frames: &mut self.task.frames,
+            },
+            operands: self.task.operands.get(start..).unwrap_or_default(),
+            site,
+        };
+        let outcome = (site.builtin.code)(&mut context)?;
+        match outcome {
+            Outcome::Pending(wait) => return Ok(Flow::Blocked(wait)),
+            Outcome::Done => self.drop_operands(count),
+            Outcome::Value(value) => {
+                self.drop_operands(count);
+                self.push(value);
+            }
+            Outcome::DoneThenPause(pause) => {
+                self.drop_operands(count);
+                let until = self.host.now() + pause;
+                self.task.pending = Pending::Until(until);
+                return Ok(Flow::Blocked(Wait::Until(until)));
+            }
+        }
+        Ok(Flow::Next)
+    }
+
+    /// If the instruction is a pause that was begun: whether it goes on waiting.
+    fn pause_is_over(&mut self) -> Option<Flow> {
+        let Pending::Until(until) = self.task.pending else {
+            return None;
+        };
+        if self.host.now() < until {
+            return Some(Flow::Blocked(Wait::Until(until)));
+        }
+        self.task.pending = Pending::None;
+        Some(Flow::Next)
+    }
+
+    fn delay(&mut self) -> Result<Flow, Fault> {
+        if let Some(flow) = self.pause_is_over() {
+            return Ok(flow);
+        }
+        let milliseconds = self.pop_integer();
+        let Ok(milliseconds) = u64::try_from(milliseconds) else {
+            return Err(Fault::argument(format!(
+                "DELAY of {milliseconds} ms, less than 0"
+            )));
+        };
+        let until = self.host.now() + std::time::Duration::from_millis(milliseconds);
+        self.task.pending = Pending::Until(until);
+        Ok(Flow::Blocked(Wait::Until(until)))
+    }
+
+    fn move_to(&mut self, waits: Waits) -> Result<Flow, Fault> {
+        let motion = if let Pending::Motion(motion) = self.task.pending {
+            motion
+        } else {
+            let at = self.operand_address(0);
+            let target = self.memory().position(at, PositionKind::XyzwprExt)?;
+            let request = MotionRequest {
+                target,
+                group: 1,
+                end: match waits {
+                    Waits::Yes => MoveEnd::Wait,
+                    Waits::No => MoveEnd::NoWait,
+                },
+                program: self.program.name_arc(),
+                line: self
+                    .program
+                    .code
+                    .lines
+                    .get(self.task.pc)
+                    .copied()
+                    .unwrap_or(0),
+            };
+            match self.host.start_motion(self.id, request) {
+                Progress::Pending(wait) => return Ok(Flow::Blocked(wait)),
+                Progress::Ready(Ok(motion)) => motion,
+                Progress::Ready(Err(status)) => {
+                    return Err(Fault::from_host(status, "The motion was refused"));
+                }
+            }
+        };
+        if waits == Waits::Yes {
+            self.task.pending = Pending::Motion(motion);
+            match self.host.motion_ended(motion) {
+                Progress::Pending(wait) => return Ok(Flow::Blocked(wait)),
+                Progress::Ready(status) if !status.is_ok() => {
+                    return Err(Fault::from_host(status, "The motion failed"));
+                }
+                Progress::Ready(_) => self.task.pending = Pending::None,
+            }
+        }
+        self.drop_operands(1);
+        Ok(Flow::Next)
+    }
+}
