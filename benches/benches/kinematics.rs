@@ -1,4 +1,5 @@
-//! Both implementations beside each other under criterion; the ratios to quote are `kinematics_ratio`'s.
+//! Both implementations beside each other under criterion; the ratios to quote are
+//! `kinematics_ratio`'s.
 
 use std::hint::black_box;
 
@@ -17,14 +18,14 @@ fn inverse(criterion: &mut Criterion) {
     let _ = group.bench_function("robocell", |bencher| {
         bencher.iter(|| {
             for case in &cases {
-                let _ = black_box(arm.inverse_all(black_box(&case.pose)));
+                let _ = black_box(&arm.inverse_all(black_box(&case.pose)));
             }
         });
     });
     let _ = group.bench_function("rs-opw-kinematics 3.0.0", |bencher| {
         bencher.iter(|| {
             for case in &cases {
-                let _ = black_box(peer.inverse(black_box(&case.peer_pose)));
+                let _ = black_box(&peer.inverse(black_box(&case.peer_pose)));
             }
         });
     });
@@ -40,14 +41,14 @@ fn forward(criterion: &mut Criterion) {
     let _ = group.bench_function("robocell", |bencher| {
         bencher.iter(|| {
             for case in &cases {
-                let _ = black_box(arm.forward(black_box(&case.joints)));
+                let _ = black_box(&arm.forward(black_box(&case.joints)));
             }
         });
     });
     let _ = group.bench_function("rs-opw-kinematics 3.0.0", |bencher| {
         bencher.iter(|| {
             for case in &cases {
-                let _ = black_box(peer.forward(black_box(&case.peer_joints)));
+                let _ = black_box(&peer.forward(black_box(&case.peer_joints)));
             }
         });
     });

@@ -10,11 +10,13 @@ pub struct Comparison {
     pub ours_ns: f64,
     /// The same for the peer.
     pub peer_ns: f64,
-    /// How many times faster ours is: the median of the repeats' ratios, not the ratio of the medians.
+    /// How many times faster ours is: the median of the repeats' ratios, not the ratio of the
+    /// medians.
     pub ratio: f64,
 }
 
-/// Runs `ours` and `peer` over all items, in turn, `repeats` times, and throws away one round to warm up.
+/// Runs `ours` and `peer` over all items, in turn, `repeats` times, and throws away one round to
+/// warm up.
 pub fn compare<T, A, B>(
     items: &[T],
     repeats: usize,
@@ -36,7 +38,8 @@ pub fn compare<T, A, B>(
 fn time<T, A>(items: &[T], run: &mut impl FnMut(&T) -> A) -> f64 {
     let start = Instant::now();
     for item in items {
-        let _ = black_box(run(black_box(item)));
+        // By reference: a result is looked at where it is, not copied.
+        let _ = black_box(&run(black_box(item)));
     }
     let items = u32::try_from(items.len()).map_or(f64::MAX, f64::from);
     start.elapsed().as_secs_f64() * 1e9 / items

@@ -8,7 +8,8 @@ use crate::limits::{LimitViolations, ROUNDING_DEG};
 use crate::model::ArmModel;
 use crate::singularity::Singularity;
 
-/// One joint set that reaches a pose. It was put through the forward kinematics before it was returned.
+/// One joint set that reaches a pose. It was put through the forward kinematics before it was
+/// returned.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution {
     /// The joints.
@@ -56,6 +57,7 @@ impl Branches {
     /// Front or back, elbow up or down, flip or no flip.
     pub const CAPACITY: usize = 8;
 
+    #[inline]
     pub(crate) fn new() -> Self {
         Self {
             solutions: [None; Self::CAPACITY],
@@ -85,5 +87,14 @@ impl Branches {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len == 0
+    }
+}
+
+impl<'a> IntoIterator for &'a Branches {
+    type Item = &'a Solution;
+    type IntoIter = std::iter::Flatten<std::slice::Iter<'a, Option<Solution>>>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.solutions.iter().flatten()
     }
 }

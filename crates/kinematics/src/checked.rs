@@ -13,12 +13,14 @@ use crate::model::ArmModel;
 use crate::pose::Pose;
 use crate::posture::Posture;
 
-/// How far the flange of a returned solution may be from the wanted pose: 1 nm, in millimeters squared.
+/// How far the flange of a returned solution may be from the wanted pose: 1 nm, in millimeters
+/// squared.
 const MAX_POSITION_ERROR_SQUARED: f64 = 1e-6 * 1e-6;
 /// The same for the rotation, 1e-9 rad: two unit quaternions are half the angle apart.
 const MAX_ROTATION_ERROR_SQUARED: f64 = 5e-10 * 5e-10;
 
-/// The arm postures that should reach a pose, a lane each: front up, front down, back up, back down.
+/// The arm postures that should reach a pose, a lane each: front up, front down, back up, back
+/// down.
 #[derive(Clone, Copy)]
 pub(crate) struct Postures {
     /// q1, q2, q3 of the chain.
@@ -125,7 +127,8 @@ fn reaches(X_WF: &Pose, flange: &Flange<4>) -> [bool; 4] {
     reaches
 }
 
-/// J1, J2, J3 on the turn nearest to the middle of their range, J4, J5, J6 on the one nearest to zero.
+/// J1, J2, J3 on the turn nearest to the middle of their range, J4, J5, J6 on the one nearest to
+/// zero.
 #[inline]
 fn on_shown_turns(model: &ArmModel, joints: [Lanes<4>; 6]) -> [Lanes<4>; 6] {
     // Adding and subtracting it rounds to a whole number.
@@ -133,7 +136,8 @@ fn on_shown_turns(model: &ArmModel, joints: [Lanes<4>; 6]) -> [Lanes<4>; 6] {
     let mut shown = joints;
     for (joint, middle) in shown.iter_mut().zip(model.shown_middles) {
         let turns = (*joint - middle) * (1.0 / TAU) + ROUND - ROUND;
-        *joint = *joint - turns * TAU;
+        // The last term turns a negative zero into zero.
+        *joint = *joint - turns * TAU + 0.0;
     }
     shown
 }

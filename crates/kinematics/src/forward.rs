@@ -1,4 +1,5 @@
-//! Forward kinematics: the flange's pose of the chain's joints, for one set of joints or for several side by side.
+//! Forward kinematics: the flange's pose of the chain's joints, for one set of joints or for
+//! several side by side.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
@@ -34,9 +35,9 @@ type Turn<const N: usize> = (Lanes<N>, Lanes<N>);
 
 /// What axes 1, 2 and 3 do: the wrist center, and the forearm's rotation with the twist of link 3.
 ///
-/// Rotations are multiplied as quaternions, real part first. With right angles between the axes each factor is short,
-/// a and b being half angles: `Z(a) X(±90) Z(b) = (cos(a+b), ±cos(a-b), ±sin(a-b), sin(a+b)) / sqrt 2`. The factors
-/// of `1 / sqrt 2` are left to the end.
+/// Rotations are multiplied as quaternions, real part first. With right angles between the axes
+/// each factor is short, a and b being half angles: `Z(a) X(±90) Z(b) = (cos(a+b), ±cos(a-b),
+/// ±sin(a-b), sin(a+b)) / sqrt 2`. The factors of `1 / sqrt 2` are left to the end.
 #[derive(Clone, Copy)]
 pub(crate) struct Arm<const N: usize> {
     wrist_center: [Lanes<N>; 3],

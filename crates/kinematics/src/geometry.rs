@@ -1,9 +1,10 @@
-//! The numbers of an ortho-parallel arm with a spherical wrist, out of its Denavit-Hartenberg table.
+//! The numbers of an ortho-parallel arm with a spherical wrist, out of its Denavit-Hartenberg
+//! table.
 //!
-//! Axis 1 is at right angles to axis 2, axes 2 and 3 are parallel, axis 4 is at right angles to axis 3, and axes 4, 5
-//! and 6 meet in the wrist center. Most six-axis arms are built so. In the plane of the arm, with `u` pointing away
-//! from the shoulder and `v` along the second axis of frame 1, the wrist center is
-//! `a2 * e^(i q2) + forearm * e^(i (q2 + q3 + forearm_phase))`.
+//! Axis 1 is at right angles to axis 2, axes 2 and 3 are parallel, axis 4 is at right angles to
+//! axis 3, and axes 4, 5 and 6 meet in the wrist center. Most six-axis arms are built so. In the
+//! plane of the arm, with `u` pointing away from the shoulder and `v` along the second axis of
+//! frame 1, the wrist center is `a2 * e^(i q2) + forearm * e^(i (q2 + q3 + forearm_phase))`.
 
 use crate::dh::DhLink;
 use crate::joints::Axis;

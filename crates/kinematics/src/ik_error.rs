@@ -19,7 +19,8 @@ pub enum IkError {
         /// Beyond what.
         bound: ReachBound,
     },
-    /// There are joint sets, and every one is beyond a limit; this is the one that misses by the least.
+    /// There are joint sets, and every one is beyond a limit; this is the one that misses by the
+    /// least.
     #[error("{violations} in branch {branch}; {branches} branches tried")]
     JointLimit {
         /// The joints beyond their limits.

@@ -1,8 +1,9 @@
 //! Closed-form inverse kinematics: every branch of an ortho-parallel arm with a spherical wrist.
 //!
-//! The wrist center is where the flange's axis, followed back by d6, ends. Axis 1 turns the arm's plane towards it, or
-//! away from it; in the plane upper arm and forearm reach it with the elbow on either side; the wrist makes up for the
-//! rotation in two ways. The first two choices are the four lanes: front up, front down, back up, back down.
+//! The wrist center is where the flange's axis, followed back by d6, ends. Axis 1 turns the arm's
+//! plane towards it, or away from it; in the plane upper arm and forearm reach it with the elbow on
+//! either side; the wrist makes up for the rotation in two ways. The first two choices are the four
+//! lanes: front up, front down, back up, back down.
 
 use std::f64::consts::{PI, TAU};
 
@@ -20,29 +21,16 @@ use crate::pose::Pose;
 use crate::posture::Posture;
 use crate::trigonometry::atan2;
 
-/// A wrist center this far beyond a bound, in millimeters, is taken as on it: half of what a solution may be off.
+/// A wrist center this far beyond a bound, in millimeters, is taken as on it: half of what a
+/// solution may be off.
 const REACH_ROUNDING: f64 = 5e-7;
 
 /// Sine and cosine of an angle, a lane each.
 type Turn = (Lanes<4>, Lanes<4>);
 
-/// Every branch that reaches `X_WF`. Joints that a singularity leaves free stay near `reference`.
-pub(crate) fn branches(
-    model: &ArmModel,
-    X_WF: &Pose,
-    reference: &PendantJoints,
-) -> Result<Branches, IkError> {
-    // Filled where it is returned: a kilobyte is not copied for nothing.
-    let mut found = Ok(Branches::new());
-    if let Ok(branches) = &mut found
-        && let Err(error) = collect(model, X_WF, reference, branches)
-    {
-        found = Err(error);
-    }
-    found
-}
-
-fn collect(
+/// Puts every branch that reaches `X_WF` into `branches`, which is empty. Joints that a singularity
+/// leaves free stay near `reference`.
+pub(crate) fn collect(
     model: &ArmModel,
     X_WF: &Pose,
     reference: &PendantJoints,
@@ -125,7 +113,7 @@ impl Base {
         let front = ((across - lateral.abs()) * (across + lateral.abs()))
             .max(0.0)
             .sqrt();
-        let scale = 1.0 / (across * across);
+        let scale = 1.0 / (across * (front * front + lateral * lateral).sqrt());
         let (x, y) = (p_WC.x * scale, p_WC.y * scale);
         Ok(Self {
             q1: (
@@ -158,13 +146,15 @@ impl Elbow {
         let distance = (u * u + v * v).sqrt();
         let per_distance = distance.recip();
         let (longest, shortest) = (g.a2 + g.forearm, (g.a2 - g.forearm).abs());
-        // Twice the area of the triangle, by Heron: exact near the stretched and the folded arm, where the law of
-        // cosines loses half the digits. Beyond reach the arm is stretched, and the check at the end will see.
+        // Twice the area of the triangle, by Heron: exact near the stretched and the folded arm,
+        // where the law of cosines loses half the digits. Beyond reach the arm is stretched, and
+        // the check at the end will see.
         let area = ((distance * -1.0 + longest) * (distance + longest))
             * ((distance - shortest) * (distance + shortest));
         let sine = area.map(|area| if area > 0.0 { area } else { 0.0 }).sqrt()
             * (0.5 / (g.a2 * g.forearm));
-        // Up is on the left of the line from shoulder to wrist center if frame 1's second axis points up.
+        // Up is on the left of the line from shoulder to wrist center if frame 1's second axis
+        // points up.
         let bend = sine * Lanes([1.0, -1.0, 1.0, -1.0]);
         let mut direction = (v * per_distance, u * per_distance);
         let mut shoulder = (
@@ -257,7 +247,8 @@ impl Wrist {
     }
 }
 
-/// q5 and q6 at a given q4: what is left of the wrist's rotation, so that an error of q4 is made good by q6.
+/// q5 and q6 at a given q4: what is left of the wrist's rotation, so that an error of q4 is made
+/// good by q6.
 #[inline]
 fn rest_of_wrist(g: &Geometry, columns: &[[Lanes<4>; 3]; 3], (s4, c4): Turn) -> (Turn, Turn) {
     let [[x1, y1, _], [x2, y2, _], [x3, y3, z3]] = *columns;
@@ -268,8 +259,8 @@ fn rest_of_wrist(g: &Geometry, columns: &[[Lanes<4>; 3]; 3], (s4, c4): Turn) -> 
     )
 }
 
-/// q4 with axes 4 and 6 in line: only their sum, or difference, is determined, and the way from `near` is shared out
-/// evenly, as far as J4's limits allow.
+/// q4 with axes 4 and 6 in line: only their sum, or difference, is determined, and the way from
+/// `near` is shared out evenly, as far as J4's limits allow.
 #[cold]
 fn share(model: &ArmModel, columns: &[[Lanes<4>; 3]; 3], near: [f64; 6]) -> Turn {
     let [.., q4, _, q6] = near;

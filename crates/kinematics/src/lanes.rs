@@ -1,7 +1,9 @@
-//! Several numbers at once: the four arm postures of a pose go through the same arithmetic side by side.
+//! Several numbers at once: the four arm postures of a pose go through the same arithmetic side by
+//! side.
 //!
-//! Plain arrays and loops of a fixed length, which the compiler turns into vector instructions. There are no branches:
-//! what a posture does not have is computed all the same and discarded at the end.
+//! Plain arrays and loops of a fixed length, which the compiler turns into vector instructions.
+//! There are no branches: what a posture does not have is computed all the same and discarded at
+//! the end.
 
 use std::ops::{Add, Mul, Neg, Sub};
 

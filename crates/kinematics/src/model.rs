@@ -48,8 +48,8 @@ impl ArmModel {
     /// Reads a model file.
     ///
     /// # Errors
-    /// Names the key, the value and the limit of what is wrong; an arm whose axes the closed form does not cover is
-    /// refused too.
+    /// Names the key, the value and the limit of what is wrong; an arm whose axes the closed form
+    /// does not cover is refused too.
     pub fn from_toml(text: &str) -> Result<ArmModel, ModelError> {
         model_file::read(text)
     }
@@ -137,7 +137,8 @@ impl ArmModel {
 
     /// `X_WF`, the flange in the world, at `joints`; translation in millimeters.
     ///
-    /// The product (12) of the thesis with its table 1. Limits are not checked; see [`Self::check_limits`].
+    /// The product (12) of the thesis with its table 1. Limits are not checked; see
+    /// [`Self::check_limits`].
     #[must_use]
     pub fn forward(&self, joints: &PendantJoints) -> Pose {
         forward::flange(&self.geometry, &self.chain(joints))
@@ -189,23 +190,27 @@ impl ArmModel {
         Posture::of(&self.geometry, &self.chain(joints)).singularity(&self.geometry)
     }
 
-    /// Every joint set that reaches `X_WF`, inside the limits or not, each checked by the forward kinematics: to 1 nm
-    /// and 1e-9 rad.
+    /// Every joint set that reaches `X_WF`, inside the limits or not, each checked by the forward
+    /// kinematics: to 1 nm and 1e-9 rad.
     ///
-    /// J1, J2 and J3 are given on the turn nearest to the middle of their range, J4, J5 and J6 between -180 and 180
-    /// degrees; the other turns are [`Self::inverse`]'s business. Where a singularity leaves a joint free, it is the
-    /// one nearest to home.
+    /// J1, J2 and J3 are given on the turn nearest to the middle of their range, J4, J5 and J6
+    /// between -180 and 180 degrees; the other turns are [`Self::inverse`]'s business. Where a
+    /// singularity leaves a joint free, it is the one nearest to home.
     ///
     /// # Errors
     /// [`IkError::OutOfReach`], with the excess.
+    #[inline]
     pub fn inverse_all(&self, X_WF: &Pose) -> Result<Branches, IkError> {
-        inverse::branches(self, X_WF, &self.home)
+        let mut branches = Branches::new();
+        inverse::collect(self, X_WF, &self.home, &mut branches)?;
+        Ok(branches)
     }
 
     /// The joint set inside the limits that `seed` asks for.
     ///
     /// # Errors
-    /// Out of reach, beyond a joint limit in every branch, or not in the configuration asked for; with the numbers.
+    /// Out of reach, beyond a joint limit in every branch, or not in the configuration asked for;
+    /// with the numbers.
     pub fn inverse(&self, X_WF: &Pose, seed: Seed) -> Result<Solution, IkError> {
         select::select(self, X_WF, seed)
     }

@@ -15,8 +15,8 @@ pub(crate) struct Posture {
 }
 
 impl Posture {
-    // Below these a posture is singular: two branches are one, and the sign of what is left is noise. Calling it
-    // singular moves the flange by less than the inverse kinematics may be off.
+    // Below these a posture is singular: two branches are one, and the sign of what is left is
+    // noise. Calling it singular moves the flange by less than the inverse kinematics may be off.
     pub(crate) const SINGULAR_WRIST: f64 = 5e-10;
     pub(crate) const SINGULAR_DISTANCE: f64 = 1e-7;
     pub(crate) const SINGULAR_SINE: f64 = 1e-7;
@@ -27,7 +27,8 @@ impl Posture {
         let (s23, c23) = (q2 + q3).sin_cos();
         let (s3, c3) = q3.sin_cos();
         let forearm = g.forearm * (g.forearm_cos * c23 - g.forearm_sin * s23);
-        // The forearm turned clockwise from the upper arm means elbow up, if frame 1's second axis points up.
+        // The forearm turned clockwise from the upper arm means elbow up, if frame 1's second axis
+        // points up.
         let elbow = -g.s1 * (s3 * g.forearm_cos + c3 * g.forearm_sin);
         Self::from_parts(q5.sin(), g.a1 + g.a2 * q2.cos() + forearm, elbow)
     }

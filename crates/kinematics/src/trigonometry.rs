@@ -1,8 +1,8 @@
 //! Sine, cosine and arc tangent of several angles at once.
 //!
-//! The standard library's are as exact, but one call an angle, and the kinematics is mostly angles. The polynomials
-//! interpolate at the Chebyshev nodes of the reduced range, computed with 50 digits; each is off by less than 2e-17
-//! before rounding. Tests compare with the standard library.
+//! The standard library's are as exact, but one call an angle, and the kinematics is mostly angles.
+//! The polynomials interpolate at the Chebyshev nodes of the reduced range, computed with 50
+//! digits; each is off by less than 2e-17 before rounding. Tests compare with the standard library.
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -87,7 +87,8 @@ fn sin_cos_reduced<const N: usize>(angles: Lanes<N>) -> (Lanes<N>, Lanes<N>) {
     let mut result = (sine, cosine);
     let quadrants = shifted.0.map(f64::to_bits);
     for ((s, c), quadrant) in result.0.0.iter_mut().zip(&mut result.1.0).zip(quadrants) {
-        // Odd quarter turns exchange sine and cosine; the second bit is their sign. All without a branch.
+        // Odd quarter turns exchange sine and cosine; the second bit is their sign. All without a
+        // branch.
         let exchange = (quadrant & 1).wrapping_neg();
         let (sine_bits, cosine_bits) = (s.to_bits(), c.to_bits());
         let difference = (sine_bits ^ cosine_bits) & exchange;
@@ -99,7 +100,8 @@ fn sin_cos_reduced<const N: usize>(angles: Lanes<N>) -> (Lanes<N>, Lanes<N>) {
     result
 }
 
-/// The angle of each lane's direction, from -pi to pi; the length does not matter. 0 if there is no direction.
+/// The angle of each lane's direction, from -pi to pi; the length does not matter. 0 if there is no
+/// direction.
 #[inline(always)]
 #[expect(
     clippy::inline_always,
