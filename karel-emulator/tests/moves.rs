@@ -139,7 +139,44 @@ async fn abort_brakes_the_arm_and_the_ledger_says_cancelled() {
     let ledger = cell.controller.ledger().await.unwrap();
     let last = ledger.last().unwrap();
     assert_eq!(last.event, Cancelled);
+    assert!(
+        last.alarm
+            .as_deref()
+            .is_some_and(|reason| reason.contains("operator"))
+    );
     assert_ne!(last.to_deg, ledger[0].to_deg, "it did not arrive");
     let refused = TcpStream::connect(cell.address().await).await;
     assert!(refused.is_err(), "no task, no listener");
+}
+
+#[tokio::test]
+async fn an_error_of_the_program_brakes_the_arm_and_the_ledger_names_it() {
+    let program = "PROGRAM fails
+VAR p : XYZWPR
+    n : INTEGER
+BEGIN
+  p = CURPOS(0, 0)
+  p.z = p.z - 200
+  MOVE TO p NOWAIT
+  p.z = p.z + 100
+  MOVE TO p NOWAIT
+  DELAY 400
+  n = 1 DIV 0
+END fails
+";
+    let cell = Stepped::start(&common::config_of(program, &[]));
+    cell.until_standstill().await;
+    // The motion that waited is dropped at once, the arm stands still a little later.
+    assert_eq!(
+        cell.events().await,
+        [(1, Started), (2, Cancelled), (1, Cancelled)]
+    );
+    for entry in &cell.controller.ledger().await.unwrap()[1..] {
+        assert!(
+            entry
+                .alarm
+                .as_deref()
+                .is_some_and(|reason| reason.contains("FAILS, 11"))
+        );
+    }
 }

@@ -68,3 +68,67 @@ async fn only_loopback_is_opened_without_permission() {
     let started = VirtualController::start(&config, Clock::real(), PeerLabels::new());
     assert!(matches!(started, Err(StartError::NotLoopback { .. })));
 }
+
+#[tokio::test]
+async fn the_shapes_of_state_and_ledger_are_what_clients_rely_on() {
+    let cell = Stepped::start(&sock_server());
+    let _reply = call(cell.address().await, LINE).await;
+    let state = serde_json::to_value(cell.controller.state().await.unwrap()).unwrap();
+    let ledger = serde_json::to_value(cell.controller.ledger().await.unwrap()).unwrap();
+    let keys = |value: &serde_json::Value| -> Vec<String> {
+        let mut keys: Vec<String> = value.as_object().unwrap().keys().cloned().collect();
+        keys.sort();
+        keys
+    };
+    let state_keys = [
+        "active_alarms",
+        "configuration",
+        "controller",
+        "joints_deg",
+        "ledger_seq",
+        "limits_deg",
+        "model",
+        "motion_queue",
+        "moving",
+        "override_percent",
+        "pose",
+        "tags",
+        "tasks",
+        "time_s",
+    ];
+    assert_eq!(keys(&state), state_keys);
+    assert_eq!(
+        keys(&state["joints_deg"]),
+        ["j1", "j2", "j3", "j4", "j5", "j6"]
+    );
+    assert_eq!(
+        keys(&state["pose"]),
+        ["p_deg", "r_deg", "w_deg", "x_mm", "y_mm", "z_mm"]
+    );
+    assert_eq!(
+        keys(&state["tasks"][0]),
+        ["detail", "line", "name", "program", "state"]
+    );
+    assert_eq!(keys(&state["tags"][0]), ["peer", "port", "state", "tag"]);
+    let entry_keys = [
+        "alarm",
+        "duration_s",
+        "event",
+        "from_deg",
+        "kind",
+        "line",
+        "motion",
+        "override_percent",
+        "peer",
+        "program",
+        "request_id",
+        "seq",
+        "speed_mm_s",
+        "target_pose",
+        "time_s",
+        "to_deg",
+    ];
+    assert_eq!(keys(&ledger[0]), entry_keys);
+    assert_eq!(ledger[0]["event"], "started");
+    assert_eq!(ledger[0]["kind"], "joint");
+}

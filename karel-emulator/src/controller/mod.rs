@@ -12,7 +12,7 @@ mod snapshot;
 
 use std::time::Duration;
 
-use karel::{Machine, Run, TaskId, Wait};
+use karel::{Machine, Run, Status, TaskId, Wait};
 
 use crate::alarms::{Alarm, Severity};
 use crate::config::{ControllerConfig, Limits};
@@ -23,6 +23,9 @@ use crate::ledger::LedgerEntry;
 
 /// The period in which a task may spend its instructions.
 const SHARE_PERIOD: Duration = Duration::from_millis(1);
+
+/// SYST-999: everything was aborted from outside. A number of our own.
+const SYST_ABORTED: Status = Status::new(24, 999);
 
 /// Whether the core has more to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -178,10 +181,10 @@ impl Controller {
             }
         }
         self.hardware.close_connections();
-        self.hardware.stop_arm();
-        let text = "All tasks were aborted by the operator".to_owned();
+        let text = "All tasks were aborted by the operator";
+        self.hardware.stop_arm(text);
         self.hardware
-            .post(karel::Status::new(24, 999), text, Severity::Warn);
+            .post(SYST_ABORTED, text.to_owned(), Severity::Warn);
     }
 
     /// RESET: no alarm is active any more.
@@ -266,12 +269,17 @@ impl Controller {
         self.hardware.running = None;
         // A slice costs something even if it only asks again, or two tasks could wake each other for ever.
         task.share = task.share.saturating_sub(slice.used.max(1));
+        let id = task.id;
         task.phase = match slice.run {
             Run::OutOfFuel => Phase::Ready,
             Run::Blocked(wait) => Phase::Waiting(wait),
-            Run::Ended | Run::Aborted(_) => Phase::Over,
+            Run::Ended => Phase::Over,
+            Run::Aborted(error) => {
+                self.hardware.stop_arm_of(id, &error.to_string());
+                Phase::Over
+            }
         };
-        let (id, over) = (task.id, matches!(task.phase, Phase::Over));
+        let over = matches!(task.phase, Phase::Over);
         self.hardware.end_cancel(id);
         if over {
             tracing::info!(controller = %self.hardware.name, task = id.0, "A KAREL task is over.");

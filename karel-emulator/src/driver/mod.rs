@@ -26,7 +26,7 @@ use crate::state::State;
 use net::{Addresses, Net};
 
 /// Moments of controller time handled before others get their turn.
-const MOMENTS_A_TURN: usize = 16;
+const MOMENTS_A_TURN: usize = 4;
 
 /// Questions that may wait for an answer.
 pub(crate) const COMMAND_QUEUE: usize = 64;

@@ -36,6 +36,7 @@ impl Hardware {
         let speed = self.variables.real("$SPEED").map(f64::from);
         let tag = MotionTag {
             id: MotionId(self.last_motion),
+            task,
             target: pose_of_target(&request.target),
             speed_mm_s: *speed.as_ref().unwrap_or(&0.0),
             program: request.program.clone(),
@@ -105,8 +106,22 @@ impl Hardware {
         }
     }
 
+    /// The task ended with an error: the arm brakes if it moves for that task.
+    ///
+    /// ASSUMPTION: as the severity "abort" of an alarm is documented, a decelerated stop.
+    pub(crate) fn stop_arm_of(&mut self, task: TaskId, reason: &str) {
+        let mine = self
+            .executor
+            .current()
+            .is_some_and(|motion| motion.tag.task == task);
+        if mine {
+            self.stop_arm(reason);
+        }
+    }
+
     /// Brakes the running motion and drops the pending one.
-    pub(crate) fn stop_arm(&mut self) {
+    pub(crate) fn stop_arm(&mut self, reason: &str) {
+        reason.clone_into(&mut self.stop_reason);
         if let Some(dropped) = self.executor.stop(self.now) {
             self.note_end(&dropped);
         }
@@ -188,7 +203,7 @@ impl Hardware {
             .started
             .map(|started| seconds(end.at.saturating_sub(started)));
         if end.outcome == Outcome::Cancelled {
-            entry.alarm = Some("the motion was cancelled".to_owned());
+            entry.alarm = Some(self.stop_reason.clone());
         }
         tracing::info!(
             controller = %self.name,

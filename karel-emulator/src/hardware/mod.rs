@@ -49,6 +49,8 @@ pub(crate) struct Hardware {
     last_motion: u64,
     /// How the latest motions ended, for tasks that wait for them.
     outcomes: VecDeque<(MotionId, Status)>,
+    /// Why the arm was stopped last.
+    stop_reason: String,
     /// Whose bytes each task read last.
     origins: BTreeMap<TaskId, Origin>,
     /// Why the last call of a task failed, in more words than a status has.
@@ -59,6 +61,7 @@ pub(crate) struct Hardware {
 #[derive(Clone, Debug)]
 pub(crate) struct MotionTag {
     id: MotionId,
+    task: TaskId,
     target: PoseMmDeg,
     speed_mm_s: f64,
     program: Arc<str>,
@@ -129,6 +132,7 @@ impl Hardware {
             last_file: 0,
             last_motion: 0,
             outcomes: VecDeque::new(),
+            stop_reason: String::new(),
             origins: BTreeMap::new(),
             refusals: BTreeMap::new(),
         }
