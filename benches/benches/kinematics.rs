@@ -1,4 +1,5 @@
-//! Both implementations beside each other under criterion; the ratios to quote are `kinematics_ratio`'s.
+//! Both implementations beside each other under criterion; the ratios to quote are
+//! `kinematics_ratio`'s.
 
 use std::hint::black_box;
 

@@ -45,24 +45,31 @@ pub struct Case {
     pub peer_pose: rs_opw_kinematics::pose::Pose,
 }
 
+impl Case {
+    /// The pose at these joints.
+    #[must_use]
+    pub fn of(joints: PendantJoints) -> Self {
+        let pose = arm().forward(&joints);
+        let [j1, j2, j3, j4, j5, j6] = joints.radians();
+        let peer_joints = [j1, j2, j3 + j2, j4, j5, j6];
+        Self {
+            joints,
+            pose,
+            peer_joints,
+            peer_pose: peer_pose(&pose),
+        }
+    }
+}
+
 /// Poses made of random joints inside the limits; the same ones in every run.
 #[must_use]
 pub fn cases(count: usize) -> Vec<Case> {
-    let arm = arm();
     let mut random = Random(20_260_722);
     let case = |_| {
-        let joints = PendantJoints::from_degrees(Axis::ALL.map(|axis| {
-            let limits = arm.limits(axis);
+        Case::of(PendantJoints::from_degrees(Axis::ALL.map(|axis| {
+            let limits = arm().limits(axis);
             limits.min.0 + random.part() * (limits.max.0 - limits.min.0)
-        }));
-        let pose = arm.forward(&joints);
-        let [j1, j2, j3, j4, j5, j6] = joints.radians();
-        Case {
-            joints,
-            pose,
-            peer_joints: [j1, j2, j3 + j2, j4, j5, j6],
-            peer_pose: peer_pose(&pose),
-        }
+        })))
     };
     (0..count).map(case).collect()
 }
@@ -80,7 +87,8 @@ fn peer_pose(pose: &Pose) -> rs_opw_kinematics::pose::Pose {
     pose
 }
 
-/// A linear congruential generator (Knuth, MMIX): good enough to spread joints, and the same everywhere.
+/// A linear congruential generator (Knuth, MMIX): good enough to spread joints, and the same
+/// everywhere.
 struct Random(u64);
 
 impl Random {

@@ -10,11 +10,13 @@ pub struct Comparison {
     pub ours_ns: f64,
     /// The same for the peer.
     pub peer_ns: f64,
-    /// How many times faster ours is: the median of the repeats' ratios, not the ratio of the medians.
+    /// How many times faster ours is: the median of the repeats' ratios, not the ratio of the
+    /// medians.
     pub ratio: f64,
 }
 
-/// Runs `ours` and `peer` over all items, in turn, `repeats` times, and throws away one round to warm up.
+/// Runs `ours` and `peer` over all items, in turn, `repeats` times, and throws away one round to
+/// warm up.
 pub fn compare<T, A, B>(
     items: &[T],
     repeats: usize,

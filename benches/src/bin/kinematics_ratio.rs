@@ -1,7 +1,9 @@
-//! Prints how our kinematics compares with rs-opw-kinematics: `cargo run --release -p benches --bin kinematics_ratio`.
+//! Prints how our kinematics compares with rs-opw-kinematics: `cargo run --release -p benches --bin
+//! kinematics_ratio`.
 
 use benches::arms::{Case, arm, cases, peer};
 use benches::compare::{Comparison, compare};
+use kinematics::Seed;
 use rs_opw_kinematics::kinematic_traits::Kinematics;
 
 const POSES: usize = 10_000;
@@ -10,6 +12,7 @@ const REPEATS: usize = 31;
 #[expect(clippy::print_stdout, reason = "the table is what this program is for")]
 fn main() {
     let (arm, peer, cases) = (arm(), peer(), cases(POSES));
+    let home = Case::of(arm.home());
     let solutions: usize = cases
         .iter()
         .map(|case| arm.inverse_all(&case.pose).map_or(0, |found| found.len()))
@@ -20,10 +23,7 @@ fn main() {
         .sum();
     println!("M-20iA, {POSES} random reachable poses, {REPEATS} repeats in turn, median");
     println!("solutions: ours {solutions}, rs-opw {peers}");
-    let worst = cases
-        .iter()
-        .flat_map(|case| errors(case))
-        .fold(0.0, f64::max);
+    let worst = cases.iter().flat_map(errors).fold(0.0, f64::max);
     println!("worst position error of a solution: {worst:.1e} m");
     println!(
         "{:<28} {:>9} {:>12} {:>7}",
@@ -44,6 +44,15 @@ fn main() {
             REPEATS,
             |case| arm.inverse_all(&case.pose),
             |case| peer.inverse(&case.peer_pose),
+        ),
+    );
+    row(
+        "inverse, nearest to home",
+        compare(
+            &cases,
+            REPEATS,
+            |case| arm.inverse(&case.pose, Seed::Near(arm.home())),
+            |case| peer.inverse_continuing(&case.peer_pose, &home.peer_joints),
         ),
     );
     row(

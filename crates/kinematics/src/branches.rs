@@ -8,7 +8,8 @@ use crate::limits::{LimitViolations, ROUNDING_DEG};
 use crate::model::ArmModel;
 use crate::singularity::Singularity;
 
-/// One joint set that reaches a pose. It was put through the forward kinematics before it was returned.
+/// One joint set that reaches a pose. It was put through the forward kinematics before it was
+/// returned.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution {
     /// The joints.
@@ -70,7 +71,7 @@ impl Branches {
         }
     }
 
-    /// The solutions; front before back, elbow up before down.
+    /// The solutions: no flip before flip, then front before back, then elbow up before down.
     pub fn iter(&self) -> impl Iterator<Item = &Solution> {
         self.solutions.iter().flatten()
     }
@@ -85,5 +86,14 @@ impl Branches {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len == 0
+    }
+}
+
+impl<'a> IntoIterator for &'a Branches {
+    type Item = &'a Solution;
+    type IntoIter = std::iter::Flatten<std::slice::Iter<'a, Option<Solution>>>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.solutions.iter().flatten()
     }
 }

@@ -1,4 +1,14 @@
 //! FANUC's configuration of an arm: `N U T, 0, 0, 0`.
+//!
+//! The letters are defined by geometry, so that a branch changes its name exactly where it meets
+//! another one: at a singularity. Home, with the tool hanging down in front, is `N U T`.
+//!
+//! ASSUMPTION: which side of J5 = 0 is `N` is not published by FANUC for each arm; the model file
+//! says it; docs/sources.md has the evidence, which is not decisive.
+//!
+//! ASSUMPTION: a turn number counts half turns away from zero: 0 from -179 to 179 degrees, 1 from
+//! 180 to 539, -1 from -180 to -539. So operators' manuals put it, in whole degrees; here the
+//! boundary is exactly 180, and belongs to the next turn.
 
 use std::fmt;
 use std::str::FromStr;
@@ -74,7 +84,8 @@ pub enum ConfigurationError {
     },
 }
 
-/// A joint this close to ±180 degrees counts for the turn on either side: the angle came from a rounded pose.
+/// A joint this close to ±180 degrees counts for the turn on either side: the angle came from a
+/// rounded pose.
 const TURN_ROUNDING_DEG: f64 = 1e-6;
 /// A turn number is a signed half byte on the controller.
 const TURNS: std::ops::RangeInclusive<i8> = -8..=7;
@@ -86,7 +97,11 @@ const QUOTED: usize = 40;
     clippy::cast_possible_truncation,
     reason = "the cast saturates, no joint turns 127 times"
 )]
+#[inline]
 pub(crate) fn turn_of(degrees: f64) -> i8 {
+    if degrees.abs() < 180.0 {
+        return 0;
+    }
     let turns = ((degrees.abs() + 180.0) / 360.0).floor();
     turns.copysign(degrees) as i8
 }
@@ -106,7 +121,7 @@ pub(crate) fn turns_of(joints: &PendantJoints) -> [i8; 3] {
 impl Configuration {
     /// The same branch, whatever the turns?
     #[must_use]
-    pub fn same_branch(&self, other: &Configuration) -> bool {
+    pub fn same_branch(self, other: Configuration) -> bool {
         (self.flip, self.elbow, self.front) == (other.flip, other.elbow, other.front)
     }
 }

@@ -15,7 +15,8 @@ pub struct DhLink {
 }
 
 impl DhLink {
-    /// The transform from frame i to frame i - 1 at the joint angle `q`, translation in millimeters.
+    /// The transform from frame i to frame i - 1 at the joint angle `q`, translation in
+    /// millimeters.
     ///
     /// The matrix of the thesis, section 2.2.1.
     #[must_use]

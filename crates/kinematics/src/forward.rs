@@ -1,143 +1,208 @@
-//! Forward kinematics: the flange's pose and the posture, of the chain's joints.
+//! Forward kinematics: the flange's pose of the chain's joints, for one set of joints or for
+//! several side by side.
 
-use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use crate::geometry::Geometry;
 use crate::joints::ChainJoints;
+use crate::lanes::Lanes;
 use crate::pose::Pose;
-use crate::singularity::Singularity;
-
-/// Sines and cosines that the forward kinematics is made of.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Turned {
-    pub(crate) q1: (f64, f64),
-    pub(crate) q2: (f64, f64),
-    pub(crate) q23: (f64, f64),
-    pub(crate) q4: (f64, f64),
-    pub(crate) q5: (f64, f64),
-    pub(crate) q6: (f64, f64),
-}
-
-impl Turned {
-    pub(crate) fn of(joints: &ChainJoints) -> Self {
-        let [q1, q2, q3, q4, q5, q6] = joints.radians();
-        Self {
-            q1: q1.sin_cos(),
-            q2: q2.sin_cos(),
-            q23: (q2 + q3).sin_cos(),
-            q4: q4.sin_cos(),
-            q5: q5.sin_cos(),
-            q6: q6.sin_cos(),
-        }
-    }
-}
+use crate::trigonometry::sin_cos;
 
 /// `X_WF` of the chain's joints.
 pub(crate) fn flange(geometry: &Geometry, joints: &ChainJoints) -> Pose {
-    let (p_WF, R_WF) = flange_of(geometry, &Turned::of(joints));
-    let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(R_WF));
-    Pose::from_parts(p_WF, rotation)
-}
-
-/// Position and rotation of the flange: the product of the six transforms, with the right angles put in.
-pub(crate) fn flange_of(geometry: &Geometry, turned: &Turned) -> (Vector3<f64>, Matrix3<f64>) {
-    let g = geometry;
-    let R_W3 = arm_rotation(g, turned);
-    let (s4, c4) = turned.q4;
-    let (s5, c5) = turned.q5;
-    let (s6, c6) = turned.q6;
-    let t = -g.s4 * g.s5;
-    #[rustfmt::skip]
-    let R_3F = Matrix3::new(
-        c4 * c5 * c6 - t * s4 * s6, -c4 * c5 * s6 - t * s4 * c6, g.s5 * c4 * s5,
-        s4 * c5 * c6 + t * c4 * s6, -s4 * c5 * s6 + t * c4 * c6, g.s5 * s4 * s5,
-        g.s4 * s5 * c6,             -g.s4 * s5 * s6,             t * c5,
-    );
-    let R_WF = R_W3 * R_3F;
-    (wrist_center(g, turned) + g.d6 * R_WF.column(2), R_WF)
-}
-
-/// The rotation of frame 3, the forearm.
-pub(crate) fn arm_rotation(g: &Geometry, turned: &Turned) -> Matrix3<f64> {
-    let (s1, c1) = turned.q1;
-    let (s23, c23) = turned.q23;
-    let t = g.s1 * g.s3;
-    #[rustfmt::skip]
-    let R_W3 = Matrix3::new(
-        c1 * c23,   t * s1,  g.s3 * s23 * c1,
-        s1 * c23,   -t * c1, g.s3 * s23 * s1,
-        g.s1 * s23, 0.0,     -t * c23,
-    );
-    R_W3
-}
-
-/// The wrist center in the world.
-fn wrist_center(g: &Geometry, turned: &Turned) -> Vector3<f64> {
-    let (s1, c1) = turned.q1;
-    let (u, v) = arm_plane(g, turned);
-    let forward = g.a1 + u;
-    let lateral = -g.s1 * g.lateral;
-    Vector3::new(
-        c1 * forward - s1 * lateral,
-        s1 * forward + c1 * lateral,
-        g.d1 + g.s1 * v,
+    let [q1, q2, q3, q4, q5, q6] = joints.radians().map(|q| Lanes([q]));
+    // One call for six angles, instead of six calls for one.
+    let [a, b, c] = Arm::angles(q1, q2, q3);
+    let [d, e, f] = Wrist::angles(q4, q5, q6);
+    let angles = Lanes([a, b, c, d, e, f].map(|Lanes([angle])| angle));
+    let (Lanes(sines), Lanes(cosines)) = sin_cos(angles);
+    let [sa, sb, sc, sd, se, sf] = sines.map(|sine| Lanes([sine]));
+    let [ca, cb, cc, cd, ce, cf] = cosines.map(|cosine| Lanes([cosine]));
+    let arm = Arm::compose(geometry, (sa, ca), (sb, cb), (sc, cc));
+    let wrist = Wrist::compose(geometry, (sd, cd), (se, ce), (sf, cf));
+    let Flange { position, rotation } = Flange::of(geometry, &arm, &wrist);
+    let [x, y, z] = position.map(|Lanes([value])| value);
+    let [w, i, j, k] = rotation.map(|Lanes([value])| value);
+    Pose::from_parts(
+        Vector3::new(x, y, z),
+        UnitQuaternion::new_unchecked(Quaternion::new(w, i, j, k)),
     )
 }
 
-/// The wrist center in the arm's plane, from the shoulder.
-fn arm_plane(g: &Geometry, turned: &Turned) -> (f64, f64) {
-    let (s2, c2) = turned.q2;
-    let (s23, c23) = turned.q23;
-    let forearm_cos = g.forearm_cos * c23 - g.forearm_sin * s23;
-    let forearm_sin = g.forearm_cos * s23 + g.forearm_sin * c23;
-    (
-        g.a2 * c2 + g.forearm * forearm_cos,
-        g.a2 * s2 + g.forearm * forearm_sin,
-    )
+/// Sine and cosine.
+type Turn<const N: usize> = (Lanes<N>, Lanes<N>);
+
+/// What axes 1, 2 and 3 do: the wrist center, and the forearm's rotation with the twist of link 3.
+///
+/// Rotations are multiplied as quaternions, real part first. With right angles between the axes
+/// each factor is short, a and b being half angles: `Z(a) X(±90) Z(b) = (cos(a+b), ±cos(a-b),
+/// ±sin(a-b), sin(a+b)) / sqrt 2`. The factors of `1 / sqrt 2` are left to the end.
+#[derive(Clone, Copy)]
+pub(crate) struct Arm<const N: usize> {
+    wrist_center: [Lanes<N>; 3],
+    rotation: [Lanes<N>; 4],
 }
 
-/// What tells the branches and the singularities apart; each is 0 at its singularity.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Posture {
-    pub(crate) sin_q5: f64,
-    /// How far the wrist center is in front of axis 1, in millimeters.
-    pub(crate) front: f64,
-    /// The sine between forearm and upper arm; positive with the elbow up.
-    pub(crate) elbow: f64,
-}
-
-impl Posture {
-    // Below these a posture is singular: two branches are one, and the sign of what is left is noise. Calling it
-    // singular moves the flange by less than the inverse kinematics may be off.
-    pub(crate) const SINGULAR_WRIST: f64 = 5e-10;
-    pub(crate) const SINGULAR_DISTANCE: f64 = 1e-7;
-    pub(crate) const SINGULAR_SINE: f64 = 1e-7;
-
-    pub(crate) fn of(g: &Geometry, joints: &ChainJoints) -> Self {
-        let [_, q2, q3, _, q5, _] = joints.radians();
-        let c2 = q2.cos();
-        let (s23, c23) = (q2 + q3).sin_cos();
-        let (s3, c3) = q3.sin_cos();
-        let forward = g.a1 + g.a2 * c2 + g.forearm * (g.forearm_cos * c23 - g.forearm_sin * s23);
-        let sine = s3 * g.forearm_cos + c3 * g.forearm_sin;
-        // The forearm turned clockwise from the upper arm means that the elbow is up, if frame 1's second axis is.
-        Self::from_parts(q5.sin(), forward, -g.s1 * sine)
+impl<const N: usize> Arm<N> {
+    /// Of the chain's first three joints.
+    #[inline]
+    pub(crate) fn of(g: &Geometry, q1: Lanes<N>, q2: Lanes<N>, q3: Lanes<N>) -> Self {
+        let [a, b, c] = Self::angles(q1, q2, q3);
+        Self::compose(g, sin_cos(a), sin_cos(b), sin_cos(c))
     }
 
-    pub(crate) fn from_parts(sin_q5: f64, front: f64, elbow: f64) -> Self {
-        let unless_noise = |value: f64, noise| if value.abs() < noise { 0.0 } else { value };
+    /// The angles whose sines and cosines are needed.
+    #[inline]
+    fn angles(q1: Lanes<N>, q2: Lanes<N>, q3: Lanes<N>) -> [Lanes<N>; 3] {
+        let q23 = q2 + q3;
+        [q2, (q1 + q23) * 0.5, (q1 - q23) * 0.5]
+    }
+
+    #[inline]
+    fn compose(g: &Geometry, (s2, c2): Turn<N>, (sp, cp): Turn<N>, (sm, cm): Turn<N>) -> Self {
+        let (s1, c1) = (sp * cm + cp * sm, cp * cm - sp * sm);
+        let (s23, c23) = (sp * cm - cp * sm, cp * cm + sp * sm);
+        let (reach_x, reach_y) = (g.forearm * g.forearm_cos, g.forearm * g.forearm_sin);
+        let forward = c2 * g.a2 + c23 * reach_x - s23 * reach_y + g.a1;
+        let up = s2 * g.a2 + s23 * reach_x + c23 * reach_y;
+        let lateral = -g.s1 * g.lateral;
         Self {
-            sin_q5: unless_noise(sin_q5, Self::SINGULAR_WRIST),
-            front: unless_noise(front, Self::SINGULAR_DISTANCE),
-            elbow: unless_noise(elbow, Self::SINGULAR_SINE),
+            wrist_center: [
+                c1 * forward - s1 * lateral,
+                s1 * forward + c1 * lateral,
+                up * g.s1 + g.d1,
+            ],
+            rotation: twisted([cp, cm * g.s1, sm * g.s1, sp], g.s3),
         }
     }
+}
 
-    pub(crate) fn singularity(&self, g: &Geometry) -> Singularity {
-        Singularity {
-            wrist: self.sin_q5.abs(),
-            shoulder: self.front.abs() / g.reach(),
-            elbow: self.elbow.abs(),
+/// What axes 4, 5 and 6 do: the flange's rotation against the forearm.
+#[derive(Clone, Copy)]
+pub(crate) struct Wrist<const N: usize> {
+    rotation: [Lanes<N>; 4],
+}
+
+impl<const N: usize> Wrist<N> {
+    /// Of the chain's last three joints.
+    #[inline]
+    pub(crate) fn of(g: &Geometry, q4: Lanes<N>, q5: Lanes<N>, q6: Lanes<N>) -> Self {
+        let [a, b, c] = Self::angles(q4, q5, q6);
+        Self::compose(g, sin_cos(a), sin_cos(b), sin_cos(c))
+    }
+
+    /// The angles whose sines and cosines are needed.
+    #[inline]
+    fn angles(q4: Lanes<N>, q5: Lanes<N>, q6: Lanes<N>) -> [Lanes<N>; 3] {
+        [(q4 + q5) * 0.5, (q4 - q5) * 0.5, q6 * 0.5]
+    }
+
+    #[inline]
+    fn compose(g: &Geometry, (sp, cp): Turn<N>, (sm, cm): Turn<N>, (s6, c6): Turn<N>) -> Self {
+        let [w, x, y, z] = twisted([cp, cm * g.s4, sm * g.s4, sp], g.s5);
+        Self {
+            rotation: [
+                w * c6 - z * s6,
+                x * c6 + y * s6,
+                y * c6 - x * s6,
+                z * c6 + w * s6,
+            ],
+        }
+    }
+}
+
+/// Position in millimeters, and rotation as a unit quaternion, real part first.
+#[derive(Clone, Copy)]
+pub(crate) struct Flange<const N: usize> {
+    pub(crate) position: [Lanes<N>; 3],
+    pub(crate) rotation: [Lanes<N>; 4],
+}
+
+impl<const N: usize> Flange<N> {
+    #[inline]
+    pub(crate) fn of(g: &Geometry, arm: &Arm<N>, wrist: &Wrist<N>) -> Self {
+        let [w, x, y, z] = product(arm.rotation, wrist.rotation);
+        // Four factors of 1 / sqrt 2 were left out.
+        let (w, x, y, z) = (w * 0.25, x * 0.25, y * 0.25, z * 0.25);
+        let [x_WC, y_WC, z_WC] = arm.wrist_center;
+        // Along the flange's axis, the third column of the rotation.
+        let (along_x, along_y) = (
+            (x * z + w * y) * (2.0 * g.d6),
+            (y * z - w * x) * (2.0 * g.d6),
+        );
+        let along_z = (x * x + y * y) * (-2.0 * g.d6) + g.d6;
+        Self {
+            position: [x_WC + along_x, y_WC + along_y, z_WC + along_z],
+            rotation: [w, x, y, z],
+        }
+    }
+}
+
+/// A quaternion times `1 + sine * i`: a twist of ±90 degrees about X, but for the length.
+#[inline]
+fn twisted<const N: usize>([w, x, y, z]: [Lanes<N>; 4], sine: f64) -> [Lanes<N>; 4] {
+    [w - x * sine, x + w * sine, y + z * sine, z - y * sine]
+}
+
+/// The product of two quaternions, real part first.
+#[inline]
+fn product<const N: usize>(
+    [aw, ax, ay, az]: [Lanes<N>; 4],
+    [bw, bx, by, bz]: [Lanes<N>; 4],
+) -> [Lanes<N>; 4] {
+    [
+        aw * bw - ax * bx - ay * by - az * bz,
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Matrix4;
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::dh::DhLink;
+    use crate::joints::Axis;
+    use units::{Degrees, Millimeters, Radians};
+
+    /// Any arm the closed form covers: every mix of twists, with a lateral offset.
+    fn any_table() -> impl Strategy<Value = [DhLink; 6]> {
+        let sign = prop::array::uniform4(prop::sample::select(vec![-1.0, 1.0]));
+        let length = prop::array::uniform8(-900.0..900.0_f64);
+        (sign, length).prop_map(|([s1, s3, s4, s5], [d1, d2, d3, d4, d6, a1, a2, a3])| {
+            let row = |d, a, sine: f64| DhLink {
+                d: Millimeters(d),
+                a: Millimeters(a),
+                alpha: Radians::from(Degrees(90.0 * sine)),
+            };
+            [
+                row(d1, a1, s1),
+                row(d2, a2.abs() + 1.0, 0.0),
+                row(d3, a3, s3),
+                row(d4, 0.0, s4),
+                row(0.0, 0.0, s5),
+                row(d6, 0.0, 0.0),
+            ]
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn the_closed_form_is_the_product_of_the_links(
+            links in any_table(),
+            q in prop::array::uniform6(-7.0..7.0_f64),
+        ) {
+            let joints = ChainJoints::from_radians(q);
+            let product = Axis::ALL.into_iter().fold(Matrix4::identity(), |so_far, axis| {
+                so_far * axis.of(&links).transform(Radians(axis.of(&q)))
+            });
+            let flange = flange(&Geometry::try_from_dh(&links).unwrap(), &joints);
+            let difference = flange.isometry().to_homogeneous() - product;
+            prop_assert!(difference.amax() < 1e-11, "{}", difference);
         }
     }
 }

@@ -1,9 +1,10 @@
-//! The numbers of an ortho-parallel arm with a spherical wrist, out of its Denavit-Hartenberg table.
+//! The numbers of an ortho-parallel arm with a spherical wrist, out of its Denavit-Hartenberg
+//! table.
 //!
-//! Axis 1 is at right angles to axis 2, axes 2 and 3 are parallel, axis 4 is at right angles to axis 3, and axes 4, 5
-//! and 6 meet in the wrist center. Most six-axis arms are built so. In the plane of the arm, with `u` pointing away
-//! from the shoulder and `v` along the second axis of frame 1, the wrist center is
-//! `a2 * e^(i q2) + forearm * e^(i (q2 + q3 + forearm_phase))`.
+//! Axis 1 is at right angles to axis 2, axes 2 and 3 are parallel, axis 4 is at right angles to
+//! axis 3, and axes 4, 5 and 6 meet in the wrist center. Most six-axis arms are built so. In the
+//! plane of the arm, with `u` pointing away from the shoulder and `v` along the second axis of
+//! frame 1, the wrist center is `a2 * e^(i q2) + forearm * e^(i (q2 + q3 + forearm_phase))`.
 
 use crate::dh::DhLink;
 use crate::joints::Axis;
@@ -28,6 +29,8 @@ pub(crate) struct Geometry {
     pub(crate) forearm_sin: f64,
     /// From the wrist center to the flange.
     pub(crate) d6: f64,
+    /// The longest distance of the wrist center from axis 1: what data sheets call the reach.
+    pub(crate) reach: f64,
     /// Sines of the twists: each 1 or -1.
     pub(crate) s1: f64,
     pub(crate) s3: f64,
@@ -80,25 +83,22 @@ impl Geometry {
                 wanted: "and the forearm would have to be longer than 0",
             });
         }
+        let lateral = l2.d.0 + l3.d.0;
         Ok(Self {
             d1: l1.d.0,
             a1: l1.a.0,
             a2,
-            lateral: l2.d.0 + l3.d.0,
+            lateral,
             forearm,
             forearm_cos: a3 / forearm,
             forearm_sin: -s3 * d4 / forearm,
             d6: l6.d.0,
+            reach: (l1.a.0.abs() + a2 + forearm).hypot(lateral),
             s1,
             s3,
             s4,
             s5,
         })
-    }
-
-    /// The longest distance of the wrist center from axis 1: what data sheets call the reach.
-    pub(crate) fn reach(&self) -> f64 {
-        (self.a1.abs() + self.a2 + self.forearm).hypot(self.lateral)
     }
 }
 

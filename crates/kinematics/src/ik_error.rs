@@ -5,6 +5,7 @@ use std::fmt;
 use units::Millimeters;
 
 use crate::configuration::Configuration;
+use crate::joints::JointsError;
 use crate::limits::LimitViolations;
 
 /// Why a pose cannot be reached.
@@ -18,7 +19,8 @@ pub enum IkError {
         /// Beyond what.
         bound: ReachBound,
     },
-    /// There are joint sets, and every one is beyond a limit; this is the one that misses by the least.
+    /// There are joint sets, and every one is beyond a limit; this is the one that misses by the
+    /// least.
     #[error("{violations} in branch {branch}; {branches} branches tried")]
     JointLimit {
         /// The joints beyond their limits.
@@ -38,6 +40,9 @@ pub enum IkError {
         /// The configurations that would do, inside the limits.
         available: Vec<Configuration>,
     },
+    /// The joints to stay near are not joints.
+    #[error(transparent)]
+    NotFinite(#[from] JointsError),
 }
 
 /// Which bound a wrist center is beyond.

@@ -1,25 +1,32 @@
 //! Closed-form inverse kinematics: every branch of an ortho-parallel arm with a spherical wrist.
+//!
+//! The wrist center is where the flange's axis, followed back by d6, ends. Axis 1 turns the arm's
+//! plane towards it, or away from it; in the plane upper arm and forearm reach it with the elbow on
+//! either side; the wrist makes up for the rotation in two ways. The first two choices are the four
+//! lanes: front up, front down, back up, back down.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Matrix3, Vector3};
 use units::Millimeters;
 
-use crate::branches::{Branches, Solution};
-use crate::configuration::turns_of;
-use crate::forward::{Posture, Turned, arm_rotation, flange_of};
+use crate::branches::Branches;
+use crate::checked::{Postures, Wrists, both, push_checked};
 use crate::geometry::Geometry;
 use crate::ik_error::{IkError, ReachBound};
-use crate::joints::{Axis, ChainJoints, PendantJoints};
+use crate::joints::{Axis, PendantJoints};
+use crate::lanes::Lanes;
 use crate::model::ArmModel;
 use crate::pose::Pose;
+use crate::posture::Posture;
+use crate::trigonometry::atan2;
 
-/// A wrist center this far out of reach, in millimeters, is pulled onto the stretched arm: half of what a solution may
-/// be off.
+/// A wrist center this far beyond a bound, in millimeters, is taken as on it: half of what a
+/// solution may be off.
 const REACH_ROUNDING: f64 = 5e-7;
-/// How far the pose of a returned solution may be from the wanted one: 1 nm, and 1e-9 in the rotation matrix.
-const MAX_POSITION_ERROR: f64 = 1e-6;
-const MAX_ROTATION_ERROR: f64 = 1e-9;
+
+/// Sine and cosine of an angle, a lane each.
+type Turn = (Lanes<4>, Lanes<4>);
 
 /// Every branch that reaches `X_WF`. Joints that a singularity leaves free stay near `reference`.
 pub(crate) fn branches(
@@ -27,280 +34,283 @@ pub(crate) fn branches(
     X_WF: &Pose,
     reference: &PendantJoints,
 ) -> Result<Branches, IkError> {
+    // Filled where it is returned: a kilobyte is not copied for nothing.
+    let mut found = Ok(Branches::new());
+    if let Ok(branches) = &mut found
+        && let Err(error) = collect(model, X_WF, reference, branches)
+    {
+        found = Err(error);
+    }
+    found
+}
+
+fn collect(
+    model: &ArmModel,
+    X_WF: &Pose,
+    reference: &PendantJoints,
+    branches: &mut Branches,
+) -> Result<(), IkError> {
     let g = &model.geometry;
     let R_WF = X_WF.rotation_matrix();
-    let p_WF = X_WF.isometry().translation.vector;
-    let p_WC = p_WF - g.d6 * R_WF.column(2);
+    let p_WC = X_WF.isometry().translation.vector - g.d6 * R_WF.column(2);
     let near = model.chain(reference).radians();
-    let [near_q1, near_q2, ..] = near;
+    let [free_q1, free_q2, ..] = near;
 
-    let mut branches = Branches::new();
-    let mut miss: Option<Miss> = None;
-    for base in bases(g, &p_WC, near_q1)? {
-        let Some(base) = base else { continue };
-        match elbows(g, &base, p_WC.z, near_q2) {
-            Ok(elbows) => {
-                for elbow in elbows.into_iter().flatten() {
-                    push_wrists(model, &mut branches, &p_WF, &R_WF, &base, &elbow, near);
-                }
-            }
-            Err(this) => miss = Some(miss.map_or(this, |other| other.smaller(this))),
-        }
-    }
-    match miss {
-        Some(Miss { excess, bound }) if branches.is_empty() => Err(IkError::OutOfReach {
-            excess: Millimeters(excess),
-            bound,
-        }),
-        _ => Ok(branches),
-    }
-}
+    let base = Base::of(g, &p_WC, free_q1)?;
+    let elbow = Elbow::of(g, &base, p_WC.z, free_q2);
+    let wrist = Wrist::of(model, &base, &elbow, &R_WF, near);
 
-/// By how much a wrist center is out of reach.
-#[derive(Clone, Copy)]
-struct Miss {
-    excess: f64,
-    bound: ReachBound,
-}
-
-impl Miss {
-    fn smaller(self, other: Miss) -> Miss {
-        if other.excess < self.excess {
-            other
-        } else {
-            self
-        }
-    }
-}
-
-/// q1, with the signed distance of the wrist center in front of axis 1.
-struct Base {
-    q1: (f64, f64),
-    front: f64,
-}
-
-/// Front and back.
-fn bases(g: &Geometry, p_WC: &Vector3<f64>, free_q1: f64) -> Result<[Option<Base>; 2], IkError> {
-    let lateral = -g.s1 * g.lateral;
-    let across = p_WC.x.hypot(p_WC.y);
-    let short = lateral.abs() - across;
-    if short > REACH_ROUNDING {
-        let excess = Millimeters(short);
-        return Err(IkError::OutOfReach {
-            excess,
-            bound: ReachBound::TooNearToAxis1,
-        });
-    }
-    // Not the difference of squares, which loses half the digits.
-    let front = ((across - lateral.abs()) * (across + lateral.abs()))
-        .max(0.0)
-        .sqrt();
-    if across < Posture::SINGULAR_DISTANCE {
-        // Every q1 will do.
-        return Ok([
-            Some(Base {
-                q1: free_q1.sin_cos(),
-                front: 0.0,
-            }),
-            None,
-        ]);
-    }
-    let side = |front: f64| {
-        let norm = front.hypot(lateral);
-        let sine = (p_WC.y * front - p_WC.x * lateral) / (across * norm);
-        let cosine = (p_WC.x * front + p_WC.y * lateral) / (across * norm);
-        Some(Base {
-            q1: (sine, cosine),
-            front,
-        })
+    let (q1, q2, q23) = (angle(base.q1), angle(elbow.q2), angle(elbow.q23));
+    let (q4, q5, q6) = (angle(wrist.q4), angle(wrist.q5), angle(wrist.q6));
+    let wanted = both(base.wanted, elbow.wanted);
+    let (sin_q5, _) = wrist.q5;
+    let no_flip = Wrists {
+        wrist: [q4, q5, q6],
+        sin_q5,
+        wanted,
     };
-    if front < Posture::SINGULAR_DISTANCE {
-        return Ok([side(front), None]);
-    }
-    Ok([side(front), side(-front)])
-}
-
-/// q2 and q2 + q3, with the sine between upper arm and forearm, positive with the elbow up.
-struct Elbowed {
-    q2: (f64, f64),
-    q23: (f64, f64),
-    bend: f64,
-}
-
-/// Elbow up and down: the two circles about shoulder and wrist center meet in two points, in one, or in none.
-fn elbows(g: &Geometry, base: &Base, z: f64, free_q2: f64) -> Result<[Option<Elbowed>; 2], Miss> {
-    let (u, v) = (base.front - g.a1, g.s1 * (z - g.d1));
-    let distance = u.hypot(v);
-    let (longest, shortest) = (g.a2 + g.forearm, (g.a2 - g.forearm).abs());
-    if distance > longest + REACH_ROUNDING {
-        return Err(Miss {
-            excess: distance - longest,
-            bound: ReachBound::TooFar,
-        });
-    }
-    if distance < shortest - REACH_ROUNDING {
-        return Err(Miss {
-            excess: shortest - distance,
-            bound: ReachBound::TooNear,
-        });
-    }
-    // Direction from the shoulder to the wrist center; free if they coincide.
-    let (direction_sin, direction_cos) = if distance > 0.0 {
-        (v / distance, u / distance)
+    let flip = Wrists {
+        wrist: [q4 + PI, -q5, q6 + PI],
+        sin_q5: -sin_q5,
+        wanted: both(wanted, wrist.has_flip),
+    };
+    let postures = Postures {
+        arm: [q1, q2, q23 - q2],
+        front: base.front,
+        elbow: elbow.bend,
+    };
+    push_checked(model, X_WF, &postures, &[no_flip, flip], branches);
+    if branches.is_empty() {
+        Err(out_of_reach(g, &base, p_WC.z))
     } else {
-        free_q2.sin_cos()
-    };
-    // Twice the area of the triangle, by Heron: exact near the stretched and the folded arm, where the law of cosines
-    // alone loses half the digits.
-    let area = ((longest - distance) * (longest + distance))
-        * ((distance - shortest) * (distance + shortest));
-    let sine_between = area.max(0.0).sqrt() / (2.0 * g.a2 * g.forearm);
-    let at_shoulder = |side: f64| {
-        if distance == 0.0 {
-            return (0.0, 1.0);
+        Ok(())
+    }
+}
+
+#[inline]
+fn angle((sine, cosine): Turn) -> Lanes<4> {
+    atan2(sine, cosine)
+}
+
+/// q1, and how far the wrist center is in front of axis 1.
+struct Base {
+    q1: Turn,
+    front: Lanes<4>,
+    wanted: [bool; 4],
+}
+
+impl Base {
+    /// Front, then back.
+    #[inline]
+    fn of(g: &Geometry, p_WC: &Vector3<f64>, free_q1: f64) -> Result<Self, IkError> {
+        // The plane of the arm passes axis 1 at this distance.
+        let lateral = -g.s1 * g.lateral;
+        let across = (p_WC.x * p_WC.x + p_WC.y * p_WC.y).sqrt();
+        if lateral.abs() - across > REACH_ROUNDING {
+            let excess = Millimeters(lateral.abs() - across);
+            return Err(IkError::OutOfReach {
+                excess,
+                bound: ReachBound::TooNearToAxis1,
+            });
         }
-        let sine = side * g.forearm * sine_between / distance;
-        let cosine = (distance * distance + (g.a2 - g.forearm) * longest) / (2.0 * g.a2 * distance);
-        let norm = sine.hypot(cosine);
-        (sine / norm, cosine / norm)
-    };
-    let elbow = |side: f64| {
-        let (sine, cosine) = at_shoulder(side);
+        let by_side = |front: f64, back: f64| Lanes([front, front, back, back]);
+        if across < Posture::SINGULAR_DISTANCE {
+            // Every q1 will do.
+            let (sine, cosine) = free_q1.sin_cos();
+            return Ok(Self {
+                q1: (Lanes::all(sine), Lanes::all(cosine)),
+                front: Lanes::all(0.0),
+                wanted: [true, true, false, false],
+            });
+        }
+        // Not the difference of the squares, which loses half the digits.
+        let front = ((across - lateral.abs()) * (across + lateral.abs()))
+            .max(0.0)
+            .sqrt();
+        let scale = 1.0 / (across * (front * front + lateral * lateral).sqrt());
+        let (x, y) = (p_WC.x * scale, p_WC.y * scale);
+        Ok(Self {
+            q1: (
+                by_side(y * front - x * lateral, -y * front - x * lateral),
+                by_side(x * front + y * lateral, -x * front + y * lateral),
+            ),
+            front: by_side(front, -front),
+            wanted: if front < Posture::SINGULAR_DISTANCE {
+                [true, true, false, false]
+            } else {
+                [true; 4]
+            },
+        })
+    }
+}
+
+/// q2 and q2 + q3, and the sine between upper arm and forearm, positive with the elbow up.
+struct Elbow {
+    q2: Turn,
+    q23: Turn,
+    bend: Lanes<4>,
+    wanted: [bool; 4],
+}
+
+impl Elbow {
+    /// Up and down on either side: the circles about shoulder and wrist center meet in two points.
+    #[inline]
+    fn of(g: &Geometry, base: &Base, z: f64, free_q2: f64) -> Self {
+        let (u, v) = (base.front - g.a1, Lanes::all(g.s1 * (z - g.d1)));
+        let distance = (u * u + v * v).sqrt();
+        let per_distance = distance.recip();
+        let (longest, shortest) = (g.a2 + g.forearm, (g.a2 - g.forearm).abs());
+        // Twice the area of the triangle, by Heron: exact near the stretched and the folded arm,
+        // where the law of cosines loses half the digits. Beyond reach the arm is stretched, and
+        // the check at the end will see.
+        let area = ((distance * -1.0 + longest) * (distance + longest))
+            * ((distance - shortest) * (distance + shortest));
+        let sine = area.map(|area| if area > 0.0 { area } else { 0.0 }).sqrt()
+            * (0.5 / (g.a2 * g.forearm));
+        // Up is on the left of the line from shoulder to wrist center if frame 1's second axis
+        // points up.
+        let bend = sine * Lanes([1.0, -1.0, 1.0, -1.0]);
+        let mut direction = (v * per_distance, u * per_distance);
+        let mut shoulder = (
+            bend * per_distance * (g.s1 * g.forearm),
+            (distance * distance + (g.a2 - g.forearm) * longest) * per_distance * (0.5 / g.a2),
+        );
+        let folded = distance.0.map(|distance| distance == 0.0);
+        if folded != [false; 4] {
+            // The arm is folded onto its shoulder, and every q2 will do.
+            let (s2, c2) = free_q2.sin_cos();
+            direction.0 = direction.0.replaced(folded, Lanes::all(s2));
+            direction.1 = direction.1.replaced(folded, Lanes::all(c2));
+            shoulder.0 = shoulder.0.replaced(folded, Lanes::all(0.0));
+            shoulder.1 = shoulder.1.replaced(folded, Lanes::all(1.0));
+        }
         let q2 = (
-            direction_sin * cosine + direction_cos * sine,
-            direction_cos * cosine - direction_sin * sine,
+            direction.0 * shoulder.1 + direction.1 * shoulder.0,
+            direction.1 * shoulder.1 - direction.0 * shoulder.0,
         );
-        // What is left for the forearm, turned back by its own direction.
-        let (x, y) = (u - g.a2 * q2.1, v - g.a2 * q2.0);
-        let length = x.hypot(y);
-        let (sf, cf) = (y / length, x / length);
+        // The way left for the forearm, turned back by the forearm's own direction.
+        let (x, y) = (u - q2.1 * g.a2, v - q2.0 * g.a2);
+        let per_length = (x * x + y * y).sqrt().recip();
+        let (cosine, sine_of_way) = (x * per_length, y * per_length);
         let q23 = (
-            sf * g.forearm_cos - cf * g.forearm_sin,
-            cf * g.forearm_cos + sf * g.forearm_sin,
+            sine_of_way * g.forearm_cos - cosine * g.forearm_sin,
+            cosine * g.forearm_cos + sine_of_way * g.forearm_sin,
         );
-        Some(Elbowed {
+        let [front_two, _, back_two, _] = sine.0.map(|sine| sine >= Posture::SINGULAR_SINE);
+        // Stretched or folded, up and down are one.
+        let wanted = [true, front_two, true, back_two];
+        Self {
             q2,
             q23,
-            bend: g.s1 * side * sine_between,
-        })
-    };
-    if sine_between < Posture::SINGULAR_SINE {
-        return Ok([elbow(0.0), None]);
+            bend,
+            wanted,
+        }
     }
-    // Up is on the left of the line from shoulder to wrist center when frame 1's second axis points up.
-    Ok([elbow(g.s1), elbow(-g.s1)])
 }
 
-/// The wrist's two solutions, or the one nearest to `near` if axes 4 and 6 are in line.
-fn push_wrists(
-    model: &ArmModel,
-    branches: &mut Branches,
-    p_WF: &Vector3<f64>,
-    R_WF: &Matrix3<f64>,
-    base: &Base,
-    elbow: &Elbowed,
-    near: [f64; 6],
-) {
-    let g = &model.geometry;
-    let turned = Turned {
-        q1: base.q1,
-        q2: elbow.q2,
-        q23: elbow.q23,
-        q4: (0.0, 1.0),
-        q5: (0.0, 1.0),
-        q6: (0.0, 1.0),
-    };
-    let R_3F: Matrix3<f64> = arm_rotation(g, &turned).transpose() * R_WF;
-    let approach = R_3F.column(2).into_owned();
-    let sine = approach.x.hypot(approach.y);
-    let q1 = angle(base.q1);
-    let q2 = angle(elbow.q2);
-    let q3 = angle(elbow.q23) - q2;
-    let mut push = |q4: (f64, f64)| {
-        let (q5, q6) = rest_of_wrist(g, &R_3F, q4);
-        let chain = ChainJoints::from_radians([q1, q2, q3, angle(q4), angle(q5), angle(q6)]);
-        let posture = Posture::from_parts(q5.0, base.front, elbow.bend);
-        if let Some(solution) = checked(model, &chain, &posture, p_WF, R_WF) {
-            branches.push(solution);
+/// q4, q5 and q6 without flip.
+struct Wrist {
+    q4: Turn,
+    q5: Turn,
+    q6: Turn,
+    has_flip: [bool; 4],
+}
+
+impl Wrist {
+    #[inline]
+    fn of(
+        model: &ArmModel,
+        base: &Base,
+        elbow: &Elbow,
+        R_WF: &Matrix3<f64>,
+        near: [f64; 6],
+    ) -> Self {
+        let g = &model.geometry;
+        let ((s1, c1), (s23, c23)) = (base.q1, elbow.q23);
+        // A column of the flange's rotation, seen from the forearm.
+        let seen = |column: usize| {
+            let axis = R_WF.column(column);
+            let (x, y, z) = (axis.x, axis.y, g.s1 * axis.z);
+            let (along, across) = (c1 * x + s1 * y, s1 * x - c1 * y);
+            [
+                c23 * along + s23 * z,
+                across * (g.s1 * g.s3),
+                (s23 * along - c23 * z) * g.s3,
+            ]
+        };
+        let rotation = [seen(0), seen(1), seen(2)];
+        let [_, _, [x, y, _]] = rotation;
+        let sine = (x * x + y * y).sqrt();
+        let scale = sine.recip() * (model.no_flip_sign * g.s5);
+        let mut q4 = (y * scale, x * scale);
+        let in_line = sine.0.map(|sine| sine < Posture::SINGULAR_WRIST);
+        if in_line != [false; 4] {
+            let shared = share(model, &rotation, near);
+            q4 = (
+                q4.0.replaced(in_line, shared.0),
+                q4.1.replaced(in_line, shared.1),
+            );
+        }
+        let (q5, q6) = rest_of_wrist(g, &rotation, q4);
+        Self {
+            q4,
+            q5,
+            q6,
+            has_flip: in_line.map(|in_line| !in_line),
+        }
+    }
+}
+
+/// q5 and q6 at a given q4: what is left of the wrist's rotation, so that an error of q4 is made
+/// good by q6.
+#[inline]
+fn rest_of_wrist(g: &Geometry, columns: &[[Lanes<4>; 3]; 3], (s4, c4): Turn) -> (Turn, Turn) {
+    let [[x1, y1, _], [x2, y2, _], [x3, y3, z3]] = *columns;
+    let t = -g.s4 * g.s5;
+    (
+        ((c4 * x3 + s4 * y3) * g.s5, z3 * t),
+        ((c4 * y1 - s4 * x1) * t, (c4 * y2 - s4 * x2) * t),
+    )
+}
+
+/// q4 with axes 4 and 6 in line: only their sum, or difference, is determined, and the way from
+/// `near` is shared out evenly, as far as J4's limits allow.
+#[cold]
+fn share(model: &ArmModel, columns: &[[Lanes<4>; 3]; 3], near: [f64; 6]) -> Turn {
+    let [.., q4, _, q6] = near;
+    let (sine, cosine) = q4.sin_cos();
+    let at_q4 = (Lanes::all(sine), Lanes::all(cosine));
+    let (_, rest) = rest_of_wrist(&model.geometry, columns, at_q4);
+    let way = angle(rest) - q6;
+    let [_, _, [.., along]] = *columns;
+    let limits = model.limits(Axis::J4);
+    let (a, b) = (model.coupling.q4(limits.min), model.coupling.q4(limits.max));
+    let (low, high) = (a.min(b), a.max(b));
+    // q6 counts in the direction in which axis 6 points along axis 4.
+    let turned = way.zip(along, |way, along| {
+        let half = (way - TAU * (way / TAU).round()) / 2.0;
+        (q4 + along.signum() * half).clamp(low, high)
+    });
+    (turned.map(f64::sin), turned.map(f64::cos))
+}
+
+/// By how much the wrist center is out of reach, on the better side.
+#[cold]
+fn out_of_reach(g: &Geometry, base: &Base, z: f64) -> IkError {
+    let (longest, shortest) = (g.a2 + g.forearm, (g.a2 - g.forearm).abs());
+    let miss = |front: f64| {
+        let distance = (front - g.a1).hypot(z - g.d1);
+        if distance > f64::midpoint(longest, shortest) {
+            (distance - longest, ReachBound::TooFar)
+        } else {
+            (shortest - distance, ReachBound::TooNear)
         }
     };
-    if sine < Posture::SINGULAR_WRIST {
-        push(shared(g, &R_3F, near));
-        return;
-    }
-    let side = model.no_flip_sign * g.s5 / sine;
-    let q4 = (approach.y * side, approach.x * side);
-    push(q4);
-    push((-q4.0, -q4.1));
-}
-
-/// q5 and q6 at a given q4: what is left of the wrist's rotation, so that an error of q4 is made good by q6.
-fn rest_of_wrist(
-    g: &Geometry,
-    R_3F: &Matrix3<f64>,
-    (s4, c4): (f64, f64),
-) -> ((f64, f64), (f64, f64)) {
-    let t = -g.s4 * g.s5;
-    let m = R_3F;
-    let q5 = (g.s5 * (m[(0, 2)] * c4 + m[(1, 2)] * s4), t * m[(2, 2)]);
-    let q6 = (
-        t * (c4 * m[(1, 0)] - s4 * m[(0, 0)]),
-        t * (c4 * m[(1, 1)] - s4 * m[(0, 1)]),
-    );
-    (q5, q6)
-}
-
-/// With axes 4 and 6 in line only their sum, or difference, is determined: the way there is shared out evenly.
-fn shared(g: &Geometry, R_3F: &Matrix3<f64>, near: [f64; 6]) -> (f64, f64) {
-    let [_, _, _, q4, _, q6] = near;
-    let (_, at_q4) = rest_of_wrist(g, R_3F, q4.sin_cos());
-    let way = angle(at_q4) - q6;
-    let way = way - TAU * (way / TAU).round();
-    // q6 counts with the direction in which axis 6 points along axis 4.
-    let along = R_3F[(2, 2)].signum();
-    (q4 + along * way / 2.0).sin_cos()
-}
-
-fn angle((sine, cosine): (f64, f64)) -> f64 {
-    sine.atan2(cosine)
-}
-
-/// The solution on the turns it is shown with, if the forward kinematics agrees.
-fn checked(
-    model: &ArmModel,
-    chain: &ChainJoints,
-    posture: &Posture,
-    p_WF: &Vector3<f64>,
-    R_WF: &Matrix3<f64>,
-) -> Option<Solution> {
-    let joints = model.on_shown_turns(&model.pendant(chain));
-    let (p, R) = flange_of(&model.geometry, &Turned::of(&model.chain(&joints)));
-    // Negated, so that NaN fails.
-    if !((p - p_WF).norm() <= MAX_POSITION_ERROR && (R - R_WF).amax() <= MAX_ROTATION_ERROR) {
-        return None;
-    }
-    Some(Solution {
-        joints,
-        configuration: model.configuration_of(posture, turns_of(&joints)),
-        margins: model.margins(&joints),
-        singularity: posture.singularity(&model.geometry),
-    })
-}
-
-impl ArmModel {
-    /// J1, J2, J3 on the turn nearest to the middle of their range, J4, J5, J6 on the one nearest to zero.
-    fn on_shown_turns(&self, joints: &PendantJoints) -> PendantJoints {
-        let shown = Axis::ALL.map(|axis| {
-            let limits = self.limits(axis);
-            let middle = match axis {
-                Axis::J1 | Axis::J2 | Axis::J3 => {
-                    f64::midpoint(limits.min.0, limits.max.0).to_radians()
-                }
-                Axis::J4 | Axis::J5 | Axis::J6 => 0.0,
-            };
-            let value = axis.of(&joints.radians());
-            value - TAU * ((value - middle) / TAU).round()
-        });
-        PendantJoints::from_radians(shown)
+    let [front, _, back, _] = base.front.0;
+    let (front, back) = (miss(front), miss(back));
+    let (excess, bound) = if back.0 < front.0 { back } else { front };
+    IkError::OutOfReach {
+        excess: Millimeters(excess),
+        bound,
     }
 }

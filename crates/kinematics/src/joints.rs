@@ -66,8 +66,8 @@ macro_rules! joint_values {
         pub struct $name([f64; 6]);
 
         impl $name {
-            /// Joint values from degrees, J1 first, as they are; for values that come from outside there is
-            /// [`Self::try_from_degrees`].
+            /// Joint values from degrees, J1 first, as they are; for values that come from outside
+            /// there is [`Self::try_from_degrees`].
             #[must_use]
             pub fn from_degrees(degrees: [f64; 6]) -> Self {
                 Self(degrees.map(f64::to_radians))
@@ -129,8 +129,8 @@ macro_rules! joint_values {
 joint_values!(
     /// Joint values as the pendant shows them.
     ///
-    /// On a FANUC arm the pendant's J3 is measured against the horizontal, so it stands still while J2 moves;
-    /// [`crate::ArmModel::chain`] turns these into [`ChainJoints`].
+    /// On a FANUC arm the pendant's J3 is measured against the horizontal, so it stands still while
+    /// J2 moves; [`crate::ArmModel::chain`] turns these into [`ChainJoints`].
     PendantJoints
 );
 joint_values!(

@@ -1,8 +1,9 @@
 //! Poses, frames, arm models, forward and inverse kinematics.
 //!
-//! An [`ArmModel`] is data: a TOML file with a Denavit-Hartenberg table, the way from the pendant's joints to the
-//! chain's, limits and speeds. [`ArmModel::forward`] gives the flange's pose, [`ArmModel::inverse_all`] every joint
-//! set that reaches a pose, [`ArmModel::inverse`] the one to use, or the reason why there is none.
+//! An [`ArmModel`] is data: a TOML file with a Denavit-Hartenberg table, the way from the pendant's
+//! joints to the chain's, limits and speeds. [`ArmModel::forward`] gives the flange's pose,
+//! [`ArmModel::inverse_all`] every joint set that reaches a pose, [`ArmModel::inverse`] the one to
+//! use, or the reason why there is none.
 //!
 //! ```text
 //!            elbow o---------------o wrist center    W  world: base of the arm, Z up along axis 1
@@ -31,15 +32,18 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Lengths are millimeters, angles of the public types degrees where a person reads them and radians inside.
-//! This crate does no I/O and reads no clock; it does not know loads, collisions or time.
+//! Lengths are millimeters, angles of the public types degrees where a person reads them and
+//! radians inside. This crate does no I/O and reads no clock; it does not know loads, collisions or
+//! time.
 #![expect(
     non_snake_case,
     reason = "frames are part of a pose's name: X_WF is the flange F in the world W"
 )]
 
 mod branches;
+mod checked;
 mod configuration;
+mod coupling;
 mod dh;
 mod forward;
 mod frames;
@@ -47,12 +51,15 @@ mod geometry;
 mod ik_error;
 mod inverse;
 mod joints;
+mod lanes;
 mod limits;
 mod model;
 mod model_file;
 mod pose;
+mod posture;
 mod select;
 mod singularity;
+mod trigonometry;
 mod wpr;
 
 pub use branches::{Branches, Solution};

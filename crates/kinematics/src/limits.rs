@@ -7,7 +7,8 @@ use units::Degrees;
 use crate::joints::{Axis, PendantJoints};
 use crate::model::ArmModel;
 
-/// A joint exactly at its limit is inside: turning degrees into radians and back may move it by this much.
+/// A joint exactly at its limit is inside: turning degrees into radians and back may move it by
+/// this much.
 pub(crate) const ROUNDING_DEG: f64 = 1e-9;
 
 /// The range of a joint, as the pendant counts it; both ends are inside.

@@ -6,15 +6,18 @@ use units::{DegPerSec, DegPerSec2, Degrees, Millimeters};
 
 use crate::branches::{Branches, Solution};
 use crate::configuration::{Configuration, Elbow, Flip, Front, turns_of};
+use crate::coupling::Coupling;
 use crate::dh::DhLink;
 use crate::forward;
 use crate::geometry::Geometry;
 use crate::ik_error::IkError;
 use crate::inverse;
 use crate::joints::{Axis, ChainJoints, PendantJoints};
+use crate::lanes::Lanes;
 use crate::limits::{LimitViolations, Limits};
 use crate::model_file::{self, ModelError};
 use crate::pose::Pose;
+use crate::posture::Posture;
 use crate::select::{self, Seed};
 use crate::singularity::Singularity;
 
@@ -37,22 +40,16 @@ pub struct ArmModel {
     pub(crate) max_speeds: [DegPerSec; 6],
     pub(crate) max_accelerations: [DegPerSec2; 6],
     pub(crate) home: PendantJoints,
-}
-
-/// How the chain's angles follow from the pendant's: `q = sign * J + offset`, and J2 adds to q3.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Coupling {
-    pub(crate) signs: [f64; 6],
-    pub(crate) offsets: [f64; 6],
-    pub(crate) j2_in_q3: f64,
+    /// The angles, in radians, about which a solution's joints are shown.
+    pub(crate) shown_middles: [f64; 6],
 }
 
 impl ArmModel {
     /// Reads a model file.
     ///
     /// # Errors
-    /// Names the key, the value and the limit of what is wrong; an arm whose axes the closed form does not cover is
-    /// refused too.
+    /// Names the key, the value and the limit of what is wrong; an arm whose axes the closed form
+    /// does not cover is refused too.
     pub fn from_toml(text: &str) -> Result<ArmModel, ModelError> {
         model_file::read(text)
     }
@@ -117,56 +114,31 @@ impl ArmModel {
     /// The longest distance of the wrist center from axis 1, as data sheets give the reach.
     #[must_use]
     pub fn reach(&self) -> Millimeters {
-        Millimeters(self.geometry.reach())
+        Millimeters(self.geometry.reach)
     }
 
     /// The chain's angles of the pendant's joints.
     #[must_use]
     pub fn chain(&self, joints: &PendantJoints) -> ChainJoints {
-        let Coupling {
-            signs,
-            offsets,
-            j2_in_q3,
-        } = &self.coupling;
-        let [j1, j2, j3, j4, j5, j6] = joints.radians();
-        let [s1, s2, s3, s4, s5, s6] = signs;
-        let [o1, o2, o3, o4, o5, o6] = offsets;
-        ChainJoints::from_radians([
-            s1 * j1 + o1,
-            s2 * j2 + o2,
-            s3 * j3 + j2_in_q3 * j2 + o3,
-            s4 * j4 + o4,
-            s5 * j5 + o5,
-            s6 * j6 + o6,
-        ])
+        let chain = self
+            .coupling
+            .chain(&joints.radians().map(|joint| Lanes([joint])));
+        ChainJoints::from_radians(chain.map(|Lanes([angle])| angle))
     }
 
     /// The pendant's joints of the chain's angles; the inverse of [`Self::chain`].
     #[must_use]
     pub fn pendant(&self, joints: &ChainJoints) -> PendantJoints {
-        let Coupling {
-            signs,
-            offsets,
-            j2_in_q3,
-        } = &self.coupling;
-        let [q1, q2, q3, q4, q5, q6] = joints.radians();
-        let [s1, s2, s3, s4, s5, s6] = signs;
-        let [o1, o2, o3, o4, o5, o6] = offsets;
-        // The signs are 1 or -1, so multiplying divides.
-        let j2 = s2 * (q2 - o2);
-        PendantJoints::from_radians([
-            s1 * (q1 - o1),
-            j2,
-            s3 * (q3 - o3 - j2_in_q3 * j2),
-            s4 * (q4 - o4),
-            s5 * (q5 - o5),
-            s6 * (q6 - o6),
-        ])
+        let pendant = self
+            .coupling
+            .pendant(&joints.radians().map(|angle| Lanes([angle])));
+        PendantJoints::from_radians(pendant.map(|Lanes([joint])| joint))
     }
 
     /// `X_WF`, the flange in the world, at `joints`; translation in millimeters.
     ///
-    /// The product (12) of the thesis with its table 1. Limits are not checked; see [`Self::check_limits`].
+    /// The product (12) of the thesis with its table 1. Limits are not checked; see
+    /// [`Self::check_limits`].
     #[must_use]
     pub fn forward(&self, joints: &PendantJoints) -> Pose {
         forward::flange(&self.geometry, &self.chain(joints))
@@ -190,15 +162,11 @@ impl ArmModel {
     /// At a singularity two branches meet and the first letter of each pair is given: N, U, T.
     #[must_use]
     pub fn configuration(&self, joints: &PendantJoints) -> Configuration {
-        let posture = forward::Posture::of(&self.geometry, &self.chain(joints));
+        let posture = Posture::of(&self.geometry, &self.chain(joints));
         self.configuration_of(&posture, turns_of(joints))
     }
 
-    pub(crate) fn configuration_of(
-        &self,
-        posture: &forward::Posture,
-        turns: [i8; 3],
-    ) -> Configuration {
+    pub(crate) fn configuration_of(&self, posture: &Posture, turns: [i8; 3]) -> Configuration {
         let flipped = self.no_flip_sign * posture.sin_q5 < 0.0;
         Configuration {
             flip: if flipped { Flip::Flip } else { Flip::NoFlip },
@@ -219,15 +187,15 @@ impl ArmModel {
     /// How far a posture is from the singularities.
     #[must_use]
     pub fn singularity(&self, joints: &PendantJoints) -> Singularity {
-        forward::Posture::of(&self.geometry, &self.chain(joints)).singularity(&self.geometry)
+        Posture::of(&self.geometry, &self.chain(joints)).singularity(&self.geometry)
     }
 
-    /// Every joint set that reaches `X_WF`, inside the limits or not, each checked by the forward kinematics: to 1 nm
-    /// and 1e-9 rad.
+    /// Every joint set that reaches `X_WF`, inside the limits or not, each checked by the forward
+    /// kinematics: to 1 nm and 1e-9 rad.
     ///
-    /// J1, J2 and J3 are given on the turn nearest to the middle of their range, J4, J5 and J6 between -180 and 180
-    /// degrees; the other turns are [`Self::inverse`]'s business. Where a singularity leaves a joint free, it is the
-    /// one nearest to home.
+    /// J1, J2 and J3 are given on the turn nearest to the middle of their range, J4, J5 and J6
+    /// between -180 and 180 degrees; the other turns are [`Self::inverse`]'s business. Where a
+    /// singularity leaves a joint free, it is the one nearest to home.
     ///
     /// # Errors
     /// [`IkError::OutOfReach`], with the excess.
@@ -238,7 +206,8 @@ impl ArmModel {
     /// The joint set inside the limits that `seed` asks for.
     ///
     /// # Errors
-    /// Out of reach, beyond a joint limit in every branch, or not in the configuration asked for; with the numbers.
+    /// Out of reach, beyond a joint limit in every branch, or not in the configuration asked for;
+    /// with the numbers.
     pub fn inverse(&self, X_WF: &Pose, seed: Seed) -> Result<Solution, IkError> {
         select::select(self, X_WF, seed)
     }

@@ -3,11 +3,12 @@
 use serde::Deserialize;
 use units::{DegPerSec, DegPerSec2, Degrees, Millimeters, Radians};
 
+use crate::coupling::Coupling;
 use crate::dh::DhLink;
 use crate::geometry::{Geometry, NotCovered};
 use crate::joints::{Axis, PendantJoints};
 use crate::limits::Limits;
-use crate::model::{ArmModel, Coupling};
+use crate::model::ArmModel;
 
 /// No link of an arm is longer.
 const MAX_LENGTH_MM: f64 = 100_000.0;
@@ -33,6 +34,18 @@ pub enum ModelError {
         value: f64,
         /// The lowest legal value.
         min: f64,
+        /// The highest legal value.
+        max: f64,
+    },
+    /// A speed or an acceleration that no axis has.
+    #[error("{axis}: {key} is {value}; it must be above 0 and not above {max}")]
+    Positive {
+        /// The joint.
+        axis: Axis,
+        /// The key in the file.
+        key: &'static str,
+        /// What was given.
+        value: f64,
         /// The highest legal value.
         max: f64,
     },
@@ -204,7 +217,16 @@ pub(crate) fn read(text: &str) -> Result<ArmModel, ModelError> {
         max_speeds: joints.map(|joint| joint.max_speed),
         max_accelerations: joints.map(|joint| joint.max_acceleration),
         home: PendantJoints::from_degrees(joints.map(|joint| joint.home)),
+        shown_middles: shown_middles(&joints.map(|joint| joint.limits)),
     })
+}
+
+/// J1, J2 and J3 are shown on the turn nearest to the middle of their range, the wrist's joints
+/// within half a turn.
+fn shown_middles(&[j1, j2, j3, ..]: &[Limits; 6]) -> [f64; 6] {
+    let [j1, j2, j3] =
+        [j1, j2, j3].map(|range| f64::midpoint(range.min.0, range.max.0).to_radians());
+    [j1, j2, j3, 0.0, 0.0, 0.0]
 }
 
 /// One joint's own numbers.
@@ -221,6 +243,18 @@ fn check(axis: Axis, entry: &JointEntry) -> Result<Joint, ModelError> {
             });
         }
         Ok(value)
+    };
+    let positive = |key, value: f64, max: f64| {
+        if value > 0.0 && value <= max {
+            Ok(value)
+        } else {
+            Err(ModelError::Positive {
+                axis,
+                key,
+                value,
+                max,
+            })
+        }
     };
     let length = |key, value| in_range(key, value, -MAX_LENGTH_MM, MAX_LENGTH_MM);
     let angle = |key, value| in_range(key, value, -MAX_ANGLE_DEG, MAX_ANGLE_DEG);
@@ -266,16 +300,14 @@ fn check(axis: Axis, entry: &JointEntry) -> Result<Joint, ModelError> {
         offset: angle("offset_deg", entry.offset_deg)?.to_radians(),
         j2_coupling: choice("j2_coupling", entry.j2_coupling, couplings, wanted)?,
         limits,
-        max_speed: DegPerSec(in_range(
+        max_speed: DegPerSec(positive(
             "max_speed_deg_s",
             entry.max_speed_deg_s,
-            f64::MIN_POSITIVE,
             MAX_SPEED_DEG_S,
         )?),
-        max_acceleration: DegPerSec2(in_range(
+        max_acceleration: DegPerSec2(positive(
             "max_acceleration_deg_s2",
             entry.max_acceleration_deg_s2,
-            f64::MIN_POSITIVE,
             10.0 * MAX_SPEED_DEG_S,
         )?),
         home,

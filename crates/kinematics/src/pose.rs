@@ -69,7 +69,8 @@ impl Pose {
     /// A pose from a transform of nalgebra, translation in millimeters.
     ///
     /// # Errors
-    /// The translation is not finite or longer than a kilometer, or the rotation is not of length 1.
+    /// The translation is not finite or longer than a kilometer, or the rotation is not of length
+    /// 1.
     pub fn try_from_isometry(isometry: Isometry3<f64>) -> Result<Pose, PoseError> {
         let p = isometry.translation.vector;
         for (name, value) in [("x", p.x), ("y", p.y), ("z", p.z)] {
@@ -121,7 +122,8 @@ impl Pose {
         Pose(self.0.inverse())
     }
 
-    /// How far the origins are apart, and the angle of the one rotation that takes one pose to the other.
+    /// How far the origins are apart, and the angle of the one rotation that takes one pose to the
+    /// other.
     #[must_use]
     pub fn distance_to(&self, other: &Pose) -> (Millimeters, Radians) {
         let apart = self.0.translation.vector - other.0.translation.vector;
@@ -147,7 +149,10 @@ fn check_coordinate(name: &'static str, value: Millimeters) -> Result<(), PoseEr
 impl Mul for Pose {
     type Output = Pose;
     fn mul(self, other: Pose) -> Pose {
-        Pose(self.0 * other.0)
+        let mut product = self.0 * other.0;
+        // Long chains of products keep their unit length.
+        product.rotation.renormalize_fast();
+        Pose(product)
     }
 }
 

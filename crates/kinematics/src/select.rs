@@ -1,11 +1,13 @@
 //! Choosing one joint set among the branches.
 
+use units::Degrees;
+
 use crate::branches::{Branches, Solution};
 use crate::configuration::{Configuration, has_turn, turns_of};
 use crate::ik_error::{IkError, Obstacle};
 use crate::inverse;
 use crate::joints::{Axis, PendantJoints};
-use crate::limits::{LimitViolations, ROUNDING_DEG};
+use crate::limits::ROUNDING_DEG;
 use crate::model::ArmModel;
 use crate::pose::Pose;
 
@@ -14,7 +16,8 @@ use crate::pose::Pose;
 pub enum Seed {
     /// The one nearest to these joints (root of the sum of squares), on whatever turn.
     Near(PendantJoints),
-    /// The one in this configuration, on exactly these turns of J4, J5 and J6: what a FANUC position means.
+    /// The one in this configuration, on exactly these turns of J4, J5 and J6: what a FANUC
+    /// position means.
     InConfiguration(Configuration),
     /// The one whose most cramped joint has the largest margin.
     Centered,
@@ -22,18 +25,23 @@ pub enum Seed {
 
 /// A whole turn; joint values are shown in degrees.
 const TURN: f64 = 360.0;
+/// Excesses closer than this are the same.
+const SAME_DEG: f64 = 1e-6;
 
 pub(crate) fn select(model: &ArmModel, X_WF: &Pose, seed: Seed) -> Result<Solution, IkError> {
     match seed {
         Seed::Near(joints) => {
+            let joints = PendantJoints::try_from_degrees(joints.degrees())?;
             let branches = inverse::branches(model, X_WF, &joints)?;
-            let near = |solution: &Solution| nearest_turns(model, solution, &joints);
+            let seed = joints.degrees();
             branches
                 .iter()
-                .filter_map(near)
-                .min_by(|a, b| {
-                    distance(&a.joints, &joints).total_cmp(&distance(&b.joints, &joints))
+                .filter_map(|solution| {
+                    let turned = nearest_turns(model, solution, &seed)?;
+                    Some((solution, turned, distance_squared(&turned, &seed)))
                 })
+                .min_by(|(_, _, a), (_, _, b)| a.total_cmp(b))
+                .map(|(solution, turned, _)| on_turns(model, solution, turned))
                 .ok_or_else(|| joint_limit(model, &branches))
         }
         Seed::Centered => {
@@ -52,35 +60,30 @@ pub(crate) fn select(model: &ArmModel, X_WF: &Pose, seed: Seed) -> Result<Soluti
     }
 }
 
-/// The distance in joint space, in degrees.
-fn distance(a: &PendantJoints, b: &PendantJoints) -> f64 {
-    a.degrees()
-        .into_iter()
-        .zip(b.degrees())
-        .map(|(a, b)| (a - b) * (a - b))
-        .sum::<f64>()
-        .sqrt()
+/// The squared distance in joint space, in degrees.
+fn distance_squared(a: &[f64; 6], b: &[f64; 6]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
 }
 
-/// The solution with every joint on the turn inside its limits nearest to `joints`, if there is one.
-fn nearest_turns(
-    model: &ArmModel,
-    solution: &Solution,
-    joints: &PendantJoints,
-) -> Option<Solution> {
-    let mut turned = [0.0; 6];
-    for (axis, turned) in Axis::ALL.into_iter().zip(&mut turned) {
-        let (value, limits) = (solution.joints.of(axis).0, model.limits(axis));
-        // The turns inside the limits are a range; the nearest of it is the nearest of all, brought into it.
-        let lowest = ((limits.min.0 - ROUNDING_DEG - value) / TURN).ceil();
-        let highest = ((limits.max.0 + ROUNDING_DEG - value) / TURN).floor();
+/// Every joint, in degrees, on the turn inside its limits nearest to `seed`; `None` if a joint has
+/// none.
+fn nearest_turns(model: &ArmModel, solution: &Solution, seed: &[f64; 6]) -> Option<[f64; 6]> {
+    let mut turned = solution.joints.degrees();
+    for (axis, value) in Axis::ALL.into_iter().zip(&mut turned) {
+        let (limits, wish) = (model.limits(axis), axis.of(seed));
+        if limits.contains(Degrees(*value)) && (wish - *value).abs() <= TURN / 2.0 {
+            continue;
+        }
+        // The turns inside the limits are a range; the nearest of it is the nearest of all, brought
+        // into it.
+        let lowest = ((limits.min.0 - ROUNDING_DEG - *value) / TURN).ceil();
+        let highest = ((limits.max.0 + ROUNDING_DEG - *value) / TURN).floor();
         if lowest > highest {
             return None;
         }
-        let nearest = ((joints.of(axis).0 - value) / TURN).round();
-        *turned = value + TURN * nearest.clamp(lowest, highest);
+        *value += TURN * ((wish - *value) / TURN).round().clamp(lowest, highest);
     }
-    Some(on_turns(model, solution, turned))
+    Some(turned)
 }
 
 /// The solution with every joint on the turn nearest to the middle of its range.
@@ -114,8 +117,8 @@ fn in_configuration(
 ) -> Result<Solution, IkError> {
     let in_branch = branches
         .iter()
-        .find(|solution| solution.configuration.same_branch(&wanted));
-    let obstacle = match in_branch.map(|solution| on_wanted_turns(model, solution, wanted.turns)) {
+        .find(|solution| is_in_branch(solution, wanted));
+    let obstacle = match in_branch.map(|solution| on_wanted_turns(model, solution, wanted)) {
         Some(solution) if solution.within_limits() => return Ok(solution),
         Some(solution) => Obstacle::Limits(solution.violations(model)),
         None => Obstacle::OutOfReach,
@@ -133,28 +136,40 @@ fn in_configuration(
     })
 }
 
-/// J4, J5 and J6 on the turns wanted; the configuration is given as wanted, because a joint within rounding of half a
-/// turn belongs to both.
-fn on_wanted_turns(model: &ArmModel, solution: &Solution, turns: [i8; 3]) -> Solution {
-    let [j1, j2, j3, wrist @ ..] = solution.joints.degrees();
-    let [j4, j5, j6] = wrist;
-    let [t4, t5, t6] = turns;
-    let turned = [(j4, t4), (j5, t5), (j6, t6)].map(|(value, turn)| {
+/// Is the solution in the branch wanted? At a singularity two branches are one, and it is in both.
+fn is_in_branch(solution: &Solution, wanted: Configuration) -> bool {
+    let (is, singular) = (&solution.configuration, &solution.singularity);
+    (is.flip == wanted.flip || singular.wrist == 0.0)
+        && (is.elbow == wanted.elbow || singular.elbow == 0.0)
+        && (is.front == wanted.front || singular.shoulder == 0.0)
+}
+
+/// J4, J5 and J6 on the turns wanted. The configuration is given as wanted: a joint within rounding
+/// of half a turn belongs to two turns, as a singular posture does to two branches.
+fn on_wanted_turns(model: &ArmModel, solution: &Solution, wanted: Configuration) -> Solution {
+    let [j1, j2, j3, j4, j5, j6] = solution.joints.degrees();
+    let [t4, t5, t6] = wanted.turns;
+    let turned = |axis: Axis, value: f64, turn: i8| {
         let straight = value + TURN * f64::from(turn);
+        let margin = |degrees: &f64| model.limits(axis).margin(Degrees(*degrees)).0;
         // Within rounding of half a turn the next turn may be meant.
         [straight, straight - TURN, straight + TURN]
             .into_iter()
-            .find(|candidate| has_turn(*candidate, turn))
+            .filter(|degrees| has_turn(*degrees, turn))
+            .max_by(|a, b| margin(a).total_cmp(&margin(b)))
             .unwrap_or(straight)
-    });
-    let [j4, j5, j6] = turned;
-    let solution = on_turns(model, solution, [j1, j2, j3, j4, j5, j6]);
+    };
+    let degrees = [
+        j1,
+        j2,
+        j3,
+        turned(Axis::J4, j4, t4),
+        turned(Axis::J5, j5, t5),
+        turned(Axis::J6, j6, t6),
+    ];
     Solution {
-        configuration: Configuration {
-            turns,
-            ..solution.configuration
-        },
-        ..solution
+        configuration: wanted,
+        ..on_turns(model, solution, degrees)
     }
 }
 
@@ -163,18 +178,35 @@ fn joint_limit(model: &ArmModel, branches: &Branches) -> IkError {
     let best = branches
         .iter()
         .map(|solution| most_central_turns(model, solution))
-        .max_by(|a, b| a.smallest_margin().0.total_cmp(&b.smallest_margin().0));
-    match best {
-        Some(best) => IkError::JointLimit {
-            violations: best.violations(model),
-            branch: best.configuration,
-            branches: branches.len(),
-        },
-        // No branch at all is `OutOfReach`, reported before.
-        None => IkError::JointLimit {
-            violations: LimitViolations::of(model, &model.home()),
-            branch: model.configuration(&model.home()),
-            branches: 0,
-        },
+        .reduce(|best, other| {
+            if is_nearer_to_limits(&other, &best) {
+                other
+            } else {
+                best
+            }
+        })
+        .expect("a pose without any branch is out of reach, which was reported before");
+    IkError::JointLimit {
+        violations: best.violations(model),
+        branch: best.configuration,
+        branches: branches.len(),
+    }
+}
+
+/// Does `a` miss the limits by less than `b`: by its worst joint, or if that is the same, by the
+/// sum of all?
+fn is_nearer_to_limits(a: &Solution, b: &Solution) -> bool {
+    let gain = a.smallest_margin().0 - b.smallest_margin().0;
+    let total = |solution: &Solution| -> f64 {
+        solution
+            .margins
+            .iter()
+            .map(|margin| margin.0.min(0.0))
+            .sum()
+    };
+    if gain.abs() > SAME_DEG {
+        gain > 0.0
+    } else {
+        total(a) > total(b) + SAME_DEG
     }
 }

@@ -28,7 +28,8 @@ impl fmt::Display for SingularityKind {
 pub struct Singularity {
     /// `|sin J5|`.
     pub wrist: f64,
-    /// The distance of the wrist center from axis 1 (from the plane's offset, if there is one) as a part of the reach.
+    /// The distance of the wrist center from axis 1 (from the plane's offset, if there is one) as a
+    /// part of the reach.
     pub shoulder: f64,
     /// The sine of the angle between upper arm and forearm.
     pub elbow: f64,

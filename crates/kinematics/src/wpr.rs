@@ -7,8 +7,8 @@ use units::{Degrees, Millimeters};
 
 /// A pose as the pendant writes it: X, Y, Z in millimeters, W, P, R in degrees.
 ///
-/// W, P and R turn about the fixed X, Y and Z axes: `R = Rz(r) * Ry(p) * Rx(w)`. Plain data: [`crate::Pose`] is the
-/// checked form.
+/// W, P and R turn about the fixed X, Y and Z axes: `R = Rz(r) * Ry(p) * Rx(w)`. Plain data:
+/// [`crate::Pose`] is the checked form.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[expect(missing_docs, reason = "the pendant's own letters, explained above")]
 pub struct Xyzwpr {
@@ -47,7 +47,8 @@ const GIMBAL: f64 = 1e-10;
 
 /// The rotation of `[w, p, r]`: `Rz(r) * Ry(p) * Rx(w)`.
 ///
-/// The thesis prints the product in the opposite order in its equation (16); FANUC controllers turn about fixed axes.
+/// The thesis prints the product in the opposite order in its equation (16); FANUC controllers turn
+/// about fixed axes.
 pub(crate) fn rotation_of([w, p, r]: [Degrees; 3]) -> Rotation3<f64> {
     let (sw, cw) = w.0.to_radians().sin_cos();
     let (sp, cp) = p.0.to_radians().sin_cos();
@@ -63,8 +64,8 @@ pub(crate) fn rotation_of([w, p, r]: [Degrees; 3]) -> Rotation3<f64> {
 
 /// `[w, p, r]` of a rotation, each in (-180, 180], P in [-90, 90].
 ///
-/// At P = ±90 the three angles are not unique; R is 0 there, as pendants show it: an M-20iA with all joints at zero
-/// shows W 180, P -90, R 0.
+/// At P = ±90 the three angles are not unique; R is 0 there, as pendants show it: an M-20iA with
+/// all joints at zero shows W 180, P -90, R 0.
 pub(crate) fn angles_of(rotation: &Matrix3<f64>) -> [Degrees; 3] {
     let m = rotation;
     let cos_p = m[(0, 0)].hypot(m[(1, 0)]);
@@ -74,8 +75,8 @@ pub(crate) fn angles_of(rotation: &Matrix3<f64>) -> [Degrees; 3] {
         let (sr, cr) = (m[(1, 0)] / cos_p, m[(0, 0)] / cos_p);
         (sr, cr, sr.atan2(cr))
     };
-    // W is taken from the rotation that is left after R: near the gimbal W and R are each poorly determined, but this
-    // way their errors cancel and the pose stays exact.
+    // W is taken from the rotation that is left after R: near the gimbal W and R are each poorly
+    // determined, but this way their errors cancel and the pose stays exact.
     let w = (sr * m[(0, 2)] - cr * m[(1, 2)]).atan2(cr * m[(1, 1)] - sr * m[(0, 1)]);
     let p = (-m[(2, 0)]).atan2(cr * m[(0, 0)] + sr * m[(1, 0)]);
     [w, p, r].map(|angle| Degrees(half_open(angle.to_degrees())))

@@ -1,19 +1,18 @@
 //! The same branches as rs-opw-kinematics, an independent implementation.
 //!
-//! Its arm is described by seven lengths, joint offsets and signs; J2 and J3 are coupled on the pendant only, so the
-//! pendant's J3 + J2 is its J3.
+//! Its arm is described by seven lengths, joint offsets and signs; J2 and J3 are coupled on the
+//! pendant only, so the pendant's J3 + J2 is its J3.
 #![expect(non_snake_case, reason = "frames are part of a pose's name")]
+
+mod support;
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use kinematics::{ArmModel, Axis, PendantJoints, Pose};
+use kinematics::{PendantJoints, Pose};
 use rs_opw_kinematics::kinematic_traits::Kinematics;
 use rs_opw_kinematics::kinematics_impl::OPWKinematics;
 use rs_opw_kinematics::parameters::opw_kinematics::Parameters;
-
-fn arm() -> &'static ArmModel {
-    ArmModel::builtin("fanuc-m20ia").unwrap()
-}
+use support::{arm, inside};
 
 fn peer() -> OPWKinematics {
     OPWKinematics::new(Parameters {
@@ -55,15 +54,10 @@ fn random_joints(count: usize) -> Vec<PendantJoints> {
         state = state
             .wrapping_mul(6_364_136_223_846_793_005)
             .wrapping_add(1_442_695_040_888_963_407);
-        f64::from(u32::try_from(state >> 32).unwrap()) / f64::from(u32::MAX)
+        f64::from(u32::try_from(state >> 32).unwrap_or(0)) / f64::from(u32::MAX)
     };
     (0..count)
-        .map(|_| {
-            PendantJoints::from_degrees(Axis::ALL.map(|axis| {
-                let limits = arm().limits(axis);
-                limits.min.0 + part() * (limits.max.0 - limits.min.0)
-            }))
-        })
+        .map(|_| inside(arm(), [(); 6].map(|()| part())))
         .collect()
 }
 

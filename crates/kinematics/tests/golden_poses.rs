@@ -1,25 +1,18 @@
 //! Poses from outside: the source thesis's table, a pendant, and a table made with another program.
 #![expect(non_snake_case, reason = "frames are part of a pose's name")]
 
-use kinematics::{ArmModel, PendantJoints, Pose, Xyzwpr};
-use units::{Degrees, Millimeters};
+mod support;
 
-fn arm() -> &'static ArmModel {
-    ArmModel::builtin("fanuc-m20ia").unwrap()
-}
+use support::{arm, joints, pose};
+use units::Degrees;
 
-fn pose([x, y, z, w, p, r]: [f64; 6]) -> Pose {
-    let pose = Xyzwpr::new([x, y, z].map(Millimeters), [w, p, r].map(Degrees));
-    Pose::try_from_xyzwpr(&pose).unwrap()
-}
-
-/// The numbers are the pendant's, rounded to `digits` places.
-fn assert_pose(joints: [f64; 6], expected: [f64; 6], rounding: f64) {
-    let X_WF = arm().forward(&PendantJoints::from_degrees(joints));
+/// The expected numbers are rounded to `rounding`.
+fn assert_pose(degrees: [f64; 6], expected: [f64; 6], rounding: f64) {
+    let X_WF = arm().forward(&joints(degrees));
     let (apart, turned) = X_WF.distance_to(&pose(expected));
     assert!(
         apart.0 < 2.0 * rounding && Degrees::from(turned).0 < 2.0 * rounding,
-        "{joints:?}: {apart} and {turned} from {expected:?}: {:.6}",
+        "{degrees:?}: {apart} and {turned} from {expected:?}: {:.6}",
         X_WF.xyzwpr()
     );
 }
@@ -41,10 +34,11 @@ fn the_pendant_shows_these_poses() {
 
 #[test]
 fn with_all_joints_at_zero_the_pendant_shows_r_as_zero() {
-    let shown = arm().forward(&PendantJoints::default()).xyzwpr();
-    assert!((shown.w.0 - 180.0).abs() < 1e-9, "{shown}");
-    assert!((shown.p.0 + 90.0).abs() < 1e-6, "{shown}");
-    assert!(shown.r.0.abs() < 1e-9, "{shown}");
+    let shown = arm().forward(&joints([0.0; 6])).xyzwpr();
+    assert_eq!(
+        format!("{shown:.4}"),
+        "X 1085.0000 mm, Y 0.0000 mm, Z 1040.0000 mm, W 180.0000\u{b0}, P -90.0000\u{b0}, R 0.0000\u{b0}"
+    );
 }
 
 #[test]
@@ -60,4 +54,9 @@ fn the_thousand_poses_of_the_outside_table_agree() {
         rows += 1;
     }
     assert_eq!(rows, 1000);
+}
+
+#[test]
+fn the_reach_is_the_data_sheets() {
+    assert!((arm().reach().0 - 1811.0).abs() < 1.0, "{}", arm().reach());
 }

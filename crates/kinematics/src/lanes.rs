@@ -1,0 +1,148 @@
+//! Several numbers at once: the four arm postures of a pose go through the same arithmetic side by
+//! side.
+//!
+//! Plain arrays and loops of a fixed length, which the compiler turns into vector instructions.
+//! There are no branches: what a posture does not have is computed all the same and discarded at
+//! the end.
+
+use std::ops::{Add, Mul, Neg, Sub};
+
+/// `N` numbers, each in its own lane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(transparent)]
+pub(crate) struct Lanes<const N: usize>(pub(crate) [f64; N]);
+
+impl<const N: usize> Lanes<N> {
+    /// The same number in every lane.
+    #[inline]
+    pub(crate) fn all(value: f64) -> Self {
+        Self([value; N])
+    }
+
+    #[inline(always)]
+    #[expect(
+        clippy::inline_always,
+        reason = "a call a lane would undo the point of lanes"
+    )]
+    pub(crate) fn map(self, f: impl Fn(f64) -> f64) -> Self {
+        Self(self.0.map(f))
+    }
+
+    #[inline(always)]
+    #[expect(
+        clippy::inline_always,
+        reason = "a call a lane would undo the point of lanes"
+    )]
+    pub(crate) fn zip(mut self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        for (a, b) in self.0.iter_mut().zip(other.0) {
+            *a = f(*a, b);
+        }
+        self
+    }
+
+    /// With the lanes that are `which` taken from `other`.
+    #[inline]
+    pub(crate) fn replaced(mut self, which: [bool; N], other: Self) -> Self {
+        for ((lane, which), other) in self.0.iter_mut().zip(which).zip(other.0) {
+            if which {
+                *lane = other;
+            }
+        }
+        self
+    }
+
+    #[inline]
+    pub(crate) fn sqrt(self) -> Self {
+        self.map(f64::sqrt)
+    }
+
+    /// `1 / self`
+    #[inline]
+    pub(crate) fn recip(self) -> Self {
+        self.map(|a| 1.0 / a)
+    }
+}
+
+impl<const N: usize> Add for Lanes<N> {
+    type Output = Self;
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        self.zip(other, |a, b| a + b)
+    }
+}
+
+impl<const N: usize> Sub for Lanes<N> {
+    type Output = Self;
+    #[inline]
+    fn sub(self, other: Self) -> Self {
+        self.zip(other, |a, b| a - b)
+    }
+}
+
+impl<const N: usize> Mul for Lanes<N> {
+    type Output = Self;
+    #[inline]
+    fn mul(self, other: Self) -> Self {
+        self.zip(other, |a, b| a * b)
+    }
+}
+
+impl<const N: usize> Neg for Lanes<N> {
+    type Output = Self;
+    #[inline]
+    fn neg(self) -> Self {
+        self.map(|a| -a)
+    }
+}
+
+/// A number is the same in every lane.
+impl<const N: usize> Add<f64> for Lanes<N> {
+    type Output = Self;
+    #[inline]
+    fn add(self, other: f64) -> Self {
+        self.map(|a| a + other)
+    }
+}
+
+impl<const N: usize> Sub<f64> for Lanes<N> {
+    type Output = Self;
+    #[inline]
+    fn sub(self, other: f64) -> Self {
+        self.map(|a| a - other)
+    }
+}
+
+impl<const N: usize> Mul<f64> for Lanes<N> {
+    type Output = Self;
+    #[inline]
+    fn mul(self, other: f64) -> Self {
+        self.map(|a| a * other)
+    }
+}
+
+/// Rows become columns: what belongs to one lane, side by side.
+#[inline]
+pub(crate) fn transpose<const ROWS: usize, const N: usize>(
+    rows: &[Lanes<N>; ROWS],
+) -> [[f64; ROWS]; N] {
+    let mut columns = [[0.0; ROWS]; N];
+    for (index, row) in rows.iter().enumerate() {
+        for (column, value) in columns.iter_mut().zip(row.0) {
+            if let Some(cell) = column.get_mut(index) {
+                *cell = value;
+            }
+        }
+    }
+    columns
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_become_columns() {
+        let rows = [Lanes([1.0, 2.0, 3.0]), Lanes([4.0, 5.0, 6.0])];
+        assert_eq!(transpose(&rows), [[1.0, 4.0], [2.0, 5.0], [3.0, 6.0]]);
+    }
+}
