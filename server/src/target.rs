@@ -195,9 +195,11 @@ pub(crate) enum Concern {
 impl Refusal {
     pub(crate) fn code(&self) -> ProblemCode {
         match self {
-            Self::Speed { .. } | Self::Command(_) | Self::Pose(_) | Self::Joints(_) => {
-                ProblemCode::Validation
-            }
+            Self::Speed { .. }
+            | Self::Command(_)
+            | Self::Pose(_)
+            | Self::Joints(_)
+            | Self::Kinematics(IkError::NotFinite(_)) => ProblemCode::Validation,
             Self::JointLimits(_) | Self::Kinematics(IkError::JointLimit { .. }) => {
                 ProblemCode::JointLimitExceeded
             }
@@ -284,7 +286,9 @@ impl Refusal {
                 })
                 .collect(),
             Self::Kinematics(
-                IkError::OutOfReach { .. } | IkError::NoSolutionInConfiguration { .. },
+                IkError::OutOfReach { .. }
+                | IkError::NoSolutionInConfiguration { .. }
+                | IkError::NotFinite(_),
             ) => Vec::new(),
         }
     }
