@@ -1,6 +1,6 @@
 //! The OpenAPI document, made from the routes.
 
-use utoipa::openapi::{InfoBuilder, License, OpenApi, tag::TagBuilder};
+use utoipa::openapi::{InfoBuilder, LicenseBuilder, OpenApi, tag::TagBuilder};
 
 use crate::router;
 
@@ -52,7 +52,12 @@ pub(crate) fn complete(mut document: OpenApi) -> OpenApi {
         .title("robocell")
         .version(env!("CARGO_PKG_VERSION"))
         .description(Some(DESCRIPTION))
-        .license(Some(License::new(env!("CARGO_PKG_LICENSE"))))
+        .license(Some(
+            LicenseBuilder::new()
+                .name(env!("CARGO_PKG_LICENSE"))
+                .identifier(Some(env!("CARGO_PKG_LICENSE")))
+                .build(),
+        ))
         .build();
     let tag = |(name, text)| TagBuilder::new().name(name).description(Some(text)).build();
     document.tags = Some(TAGS.map(tag).into());

@@ -19,6 +19,8 @@ use crate::motion_store::{End, MotionStore};
 use crate::target::{Prepared, sent_point};
 
 /// For how long after an answer a refused connection means that the controller is reopening its tag.
+///
+/// ASSUMPTION: between two commands the seed program closes its tag and opens it again, and is done in this time.
 const REOPENING: Duration = Duration::from_millis(300);
 
 /// The one task that talks to a robot's controller.
@@ -193,13 +195,22 @@ impl<C: Connector> Task<C> {
                 status.base = Base::Target(sent);
             }
         });
-        tracing::debug!(
-            robot.id = self.owner.plan.id,
-            request_id,
-            %motion,
-            %reply,
-            "the controller answered the command"
-        );
+        let robot = &self.owner.plan.id;
+        match reply {
+            Reply::Accepted => tracing::debug!(
+                robot.id = robot,
+                request_id,
+                %motion,
+                "the controller took the command"
+            ),
+            Reply::Unreachable | Reply::IncorrectInput => tracing::info!(
+                robot.id = robot,
+                request_id,
+                %motion,
+                %reply,
+                "the controller refused the command"
+            ),
+        }
     }
 
     fn record_failure(&self, motion: Uuid, error: &LinkError, request_id: &str) {
