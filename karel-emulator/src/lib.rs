@@ -1,7 +1,7 @@
 //! A virtual FANUC controller that runs KAREL programs.
 //!
 //! The program is interpreted from its source, so its bytes on the wire are its own. A motion is planned with the
-//! arm's kinematics, checked against its joint limits, and takes the time it takes; the [ledger](ledger) tells what
+//! arm's kinematics, checked against its joint limits, and takes the time it takes; the [ledger] tells what
 //! the arm really did. Many controllers live in one process, each in one task, and each with a [clock](Clock) of its
 //! own that is real, scaled, or stepped by a test.
 //!
