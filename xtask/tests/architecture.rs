@@ -49,7 +49,7 @@ fn the_emulator_never_links_the_protocol_crate() {
 
 /// Lines of the form `path/  what it is  -> a, b` inside the code block of ARCHITECTURE.md.
 fn drawn_arrows() -> Arrows {
-    let text = std::fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
+    let text = std::fs::read_to_string(root().join("ARCHITECTURE.md")).expect("ARCHITECTURE.md");
     let block = text
         .split("```")
         .nth(1)
@@ -63,7 +63,8 @@ fn drawn_arrows() -> Arrows {
             .split_whitespace()
             .next()
             .expect("a path stands before the arrow");
-        let package = path.trim_end_matches('/').rsplit('/').next().unwrap();
+        let path = path.trim_end_matches('/');
+        let package = path.rsplit_once('/').map_or(path, |(_, name)| name);
         let dependencies = right.split(',').map(str::trim);
         let dependencies = dependencies
             .filter(|name| !name.is_empty() && *name != "nothing")
@@ -86,14 +87,15 @@ fn real_arrows() -> Arrows {
         ])
         .current_dir(root())
         .output()
-        .unwrap();
+        .expect("cargo metadata runs");
     assert!(
         output.status.success(),
         "{}",
         String::from_utf8_lossy(&output.stderr)
     );
-    let metadata: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    let packages = metadata["packages"].as_array().unwrap();
+    let metadata: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let list = |value: &serde_json::Value| value.as_array().cloned().unwrap_or_default();
+    let packages = list(&metadata["packages"]);
     let text = |value: &serde_json::Value| value.as_str().unwrap_or_default().to_owned();
     let names: BTreeSet<String> = packages
         .iter()

@@ -1,0 +1,209 @@
+//! The binary as a person meets it: what it says when something is wrong, and that it starts and stops.
+
+use std::io::{BufRead as _, BufReader, Read as _};
+use std::net::{Ipv4Addr, SocketAddr, TcpListener};
+use std::path::PathBuf;
+use std::process::{Child, Command, Output, Stdio};
+
+use client::Client;
+
+/// A configuration file that is removed when this is dropped.
+struct ConfigFile(PathBuf);
+
+impl ConfigFile {
+    fn new(name: &str, text: &str) -> Self {
+        let name = format!("robocell-test-{}-{name}.toml", std::process::id());
+        let path = std::env::temp_dir().join(name);
+        std::fs::write(&path, text).unwrap();
+        Self(path)
+    }
+}
+
+impl Drop for ConfigFile {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.0);
+    }
+}
+
+fn robocell(config: &ConfigFile) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_robocell"));
+    let _command = command.arg("--config").arg(&config.0);
+    command
+}
+
+/// What it says about a configuration that it must refuse.
+fn complaint(name: &str, text: &str) -> String {
+    let config = ConfigFile::new(name, text);
+    let Output { status, stderr, .. } = robocell(&config).output().unwrap();
+    assert_eq!(status.code(), Some(2), "{text}");
+    String::from_utf8(stderr).unwrap()
+}
+
+fn cell(listen: SocketAddr, panel: SocketAddr) -> String {
+    format!(
+        "[server]\nlisten = \"{listen}\"\n[[cells]]\nid = \"demo\"\n[[cells.robots]]\nid = \"r1\"\n\
+         model = \"fanuc-m20ia\"\ncontroller = \"virtual:vc1\"\n[[virtual_controllers]]\nname = \"vc1\"\n\
+         model = \"fanuc-m20ia\"\npanel = \"{panel}\"\nports = {{ 59002 = 0 }}\n"
+    )
+}
+
+fn any_port() -> SocketAddr {
+    SocketAddr::from((Ipv4Addr::LOCALHOST, 0))
+}
+
+/// A running cell that ends when this is dropped.
+struct Running {
+    process: Child,
+    http: String,
+    // Kept open: the process must not find its output closed.
+    _output: BufReader<std::process::ChildStdout>,
+}
+
+impl Running {
+    fn start(config: &ConfigFile) -> Self {
+        let mut process = robocell(config)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let mut output = BufReader::new(process.stdout.take().unwrap());
+        let mut http = None;
+        let mut line = String::new();
+        while http.is_none() && output.read_line(&mut line).unwrap() > 0 {
+            http = line
+                .split_whitespace()
+                .find(|word| word.starts_with("http://"))
+                .map(str::to_owned);
+            line.clear();
+        }
+        let http = http.expect("the banner names the address of the API");
+        Self {
+            process,
+            http,
+            _output: output,
+        }
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        // It may have ended by itself.
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+#[tokio::test]
+async fn the_cell_starts_moves_its_arm_and_stops_on_sigterm() {
+    let config = ConfigFile::new("whole", &cell(any_port(), any_port()));
+    let mut running = Running::start(&config);
+    let client = Client::new(&running.http).unwrap();
+    let moved = client.legacy_home(None).await.unwrap();
+    assert!((moved.current_position.x - 985.0).abs() < 1e-9);
+
+    let process = running.process.id().to_string();
+    let told = Command::new("kill")
+        .args(["-TERM", &process])
+        .status()
+        .unwrap();
+    assert!(told.success());
+    assert!(running.process.wait().unwrap().success());
+}
+
+#[test]
+fn a_port_in_use_is_named() {
+    let taken = TcpListener::bind(any_port()).unwrap();
+    let address = taken.local_addr().unwrap();
+    let said = complaint("http-in-use", &cell(address, any_port()));
+    assert!(
+        said.contains(&address.to_string()) && said.contains("in use"),
+        "{said}"
+    );
+    let said = complaint("panel-in-use", &cell(any_port(), address));
+    assert!(
+        said.contains(&address.to_string()) && said.contains("in use"),
+        "{said}"
+    );
+    let robot =
+        cell(any_port(), any_port()).replace("59002 = 0", &format!("59002 = {}", address.port()));
+    let said = complaint("robot-in-use", &robot);
+    assert!(
+        said.contains(&address.port().to_string()) && said.contains("in use"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_key_that_does_not_exist_is_named_with_its_line() {
+    let said = complaint(
+        "unknown-key",
+        &cell(any_port(), any_port()).replace("panel", "pannel"),
+    );
+    assert!(
+        said.contains("pannel") && said.contains("`panel`") && said.contains("line 12"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_wrong_unit_is_answered_with_the_right_one() {
+    let text =
+        cell(any_port(), any_port()).replace("[[virtual", "connect_timeout_s = 1\n[[virtual");
+    let said = complaint("wrong-unit", &text);
+    assert!(
+        said.contains("connect_timeout_s") && said.contains("connect_timeout_ms"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_controller_that_is_not_in_the_file_is_named() {
+    let said = complaint(
+        "dangling",
+        &cell(any_port(), any_port()).replace("virtual:vc1", "virtual:vc7"),
+    );
+    assert!(
+        said.contains("cells[0].robots[0].controller") && said.contains("vc7"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_program_that_is_missing_or_not_karel_is_named() {
+    let with_program = |path: &str| {
+        cell(any_port(), any_port()).replace("panel", &format!("programs = [\"{path}\"]\npanel"))
+    };
+    let said = complaint("no-program", &with_program("nowhere.kl"));
+    assert!(
+        said.contains("virtual_controllers[0].programs") && said.contains("nowhere.kl"),
+        "{said}"
+    );
+    let not_karel = ConfigFile::new("not-karel", "this = \"is not KAREL\"\n");
+    let said = complaint("not-karel", &with_program(not_karel.0.to_str().unwrap()));
+    assert!(
+        said.contains("expected PROGRAM") && said.contains('^'),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_checked_configuration_starts_nothing() {
+    let config = ConfigFile::new("check", &cell(any_port(), any_port()));
+    let mut process = robocell(&config)
+        .arg("--check")
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut said = String::new();
+    let _length = process
+        .stdout
+        .take()
+        .unwrap()
+        .read_to_string(&mut said)
+        .unwrap();
+    assert!(process.wait().unwrap().success());
+    assert!(
+        said.contains("1 cells, 1 robots, 1 virtual controllers"),
+        "{said}"
+    );
+}
