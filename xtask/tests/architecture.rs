@@ -56,7 +56,7 @@ fn drawn_arrows() -> Arrows {
         .expect("ARCHITECTURE.md has a code block");
     let mut arrows = Arrows::new();
     for line in block.lines() {
-        let Some((left, right)) = line.split_once("->") else {
+        let Some((left, right)) = line.rsplit_once(" -> ") else {
             continue;
         };
         let path = left
