@@ -26,6 +26,8 @@ impl Status {
     /// INTP-304: array lengths differ.
     pub const INTP_ARRAY_LENGTH: Status = Status(12304);
     /// INTP-307: a number is divided by zero.
+    ///
+    /// ASSUMPTION: the number is from memory of error lists.
     pub const INTP_DIVIDE_BY_ZERO: Status = Status(12307);
     /// INTP-308: no CASE of a SELECT matched and there was no ELSE.
     pub const INTP_NO_CASE: Status = Status(12308);
@@ -37,6 +39,10 @@ impl Status {
     pub const INTP_TYPE: Status = Status(12319);
     /// INTP-320: the built-in does not exist on this controller.
     pub const INTP_UNDEFINED_BUILTIN: Status = Status(12320);
+    /// INTP-321: a function reached its END without a RETURN.
+    ///
+    /// ASSUMPTION: the number is from memory of error lists.
+    pub const INTP_MISSING_RETURN: Status = Status(12321);
     /// INTP-322: bad argument of a built-in.
     pub const INTP_ARGUMENT: Status = Status(12322);
     /// INTP-323: arithmetic overflow.
@@ -60,11 +66,17 @@ impl Status {
     pub const PRIO_PORT_NUMBER: Status = Status(13002);
 
     /// MOTN-017: the position is outside of the joint limits.
+    ///
+    /// ASSUMPTION: this number and that of MOTN-018 are from memory of error lists; programs in
+    /// the field only compare with 0.
     pub const MOTN_LIMIT: Status = Status(15017);
     /// MOTN-018: the position is not reachable.
     pub const MOTN_UNREACHABLE: Status = Status(15018);
 
     /// VARS-011: the variable name does not exist.
+    ///
+    /// ASSUMPTION: this number and that of VARS-012 are ours; programs in the field only compare
+    /// with 0.
     pub const VARS_UNKNOWN: Status = Status(16011);
     /// VARS-012: the value's type does not fit the variable.
     pub const VARS_TYPE: Status = Status(16012);

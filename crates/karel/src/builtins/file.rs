@@ -24,6 +24,9 @@ pub(super) const TABLE: &[Builtin] = &[
 ];
 
 /// Programs retry a failed connect in a tight loop.
+///
+/// ASSUMPTION: how long a controller takes to refuse is not known; this only keeps such a loop
+/// from starving the others.
 const PAUSE_AFTER_FAILED_CONNECT: Duration = Duration::from_millis(1);
 
 fn io_status(context: &mut Context<'_>) -> Result<Outcome, Fault> {

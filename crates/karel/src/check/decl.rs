@@ -274,7 +274,7 @@ impl Checker<'_> {
             element: element_type,
             depth,
         };
-        self.limit_depth(Type::Array(Arc::new(array)), element)
+        self.limited(Type::Array(Arc::new(array)), element)
     }
 
     fn structure_type(
@@ -317,14 +317,17 @@ impl Checker<'_> {
             size,
             depth,
         };
-        self.limit_depth(Type::Structure(Arc::new(structure)), whole)
+        self.limited(Type::Structure(Arc::new(structure)), whole)
     }
 
-    fn limit_depth(&mut self, ty: Type, written: &TypeExpr) -> Type {
-        if ty.depth() <= MAX_TYPE_DEPTH {
+    fn limited(&mut self, ty: Type, written: &TypeExpr) -> Type {
+        let message = if ty.depth() > MAX_TYPE_DEPTH {
+            format!("more than {MAX_TYPE_DEPTH} arrays and structures in each other")
+        } else if ty.size() > MAX_CELLS {
+            format!("a value of this type needs more than {MAX_CELLS} cells of memory")
+        } else {
             return ty;
-        }
-        let message = format!("more than {MAX_TYPE_DEPTH} arrays and structures in each other");
+        };
         self.reports.error(written.span, message);
         Type::Error
     }

@@ -113,7 +113,8 @@ impl Lowering<'_> {
     /// Frame cells for a value that lives until the end of the statement.
     fn temporary(&mut self, cells: u32) -> u32 {
         let cell = self.temp;
-        self.temp += cells;
+        // What is too large to run is refused when it is called.
+        self.temp = self.temp.saturating_add(cells);
         self.most_cells = self.most_cells.max(self.temp);
         cell
     }

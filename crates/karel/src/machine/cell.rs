@@ -151,6 +151,9 @@ impl Memory<'_> {
         self.set(address, Cell::File(file));
     }
 
+    /// Copies a whole array or structure.
+    ///
+    /// ASSUMPTION: elements that are uninitialized are copied as such and are no error.
     pub(crate) fn copy_cells(&mut self, from: Address, to: Address, cells: u32) {
         for offset in 0..cells {
             let cell = self.get(from.plus(offset)).clone();

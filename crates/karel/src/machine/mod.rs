@@ -73,6 +73,14 @@ pub enum StartError {
     /// The machine's limit.
     #[error("{0} tasks exist, which is the limit")]
     TooMany(usize),
+    /// The main body needs more memory than a task may have.
+    #[error("the main body needs {cells} cells of memory, a task may have {limit}")]
+    TooLarge {
+        /// What it needs.
+        cells: usize,
+        /// [`Limits::stack_cells`].
+        limit: usize,
+    },
 }
 
 impl Machine {
@@ -130,10 +138,17 @@ impl Machine {
         if self.tasks.len() >= self.limits.tasks {
             return Err(StartError::TooMany(self.tasks.len()));
         }
-        let id = TaskId(self.next_task);
-        self.next_task = self.next_task.wrapping_add(1);
         let code = self.programs.get(index).map(|loaded| &loaded.program.code);
         let main = code.and_then(|code| code.routines.first());
+        let cells = main.map_or(0, |main| main.frame_cells as usize);
+        if cells > self.limits.stack_cells {
+            return Err(StartError::TooLarge {
+                cells,
+                limit: self.limits.stack_cells,
+            });
+        }
+        let id = TaskId(self.next_task);
+        self.next_task = self.next_task.wrapping_add(1);
         let mut task = Task {
             name,
             program: index,
@@ -141,7 +156,7 @@ impl Machine {
             base: 0,
             routine: 0,
             callers: Vec::new(),
-            frames: vec![Cell::Uninit; main.map_or(0, |main| main.frame_cells as usize)],
+            frames: vec![Cell::Uninit; cells],
             operands: Vec::new(),
             pending: Pending::None,
             state: TaskState::Ready,

@@ -21,7 +21,7 @@ impl Exec<'_> {
     pub(super) fn outward(&mut self, op: Outward) -> Result<Flow, Fault> {
         match op {
             Outward::MissingReturn => Err(Fault::new(
-                Status::new(12, 321),
+                Status::INTP_MISSING_RETURN,
                 "END of a function without RETURN",
             )),
             Outward::NoCase => Err(Fault::new(Status::INTP_NO_CASE, "No match in CASE")),

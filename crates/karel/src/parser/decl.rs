@@ -13,6 +13,7 @@ impl Parser<'_> {
     pub(super) fn program(&mut self) -> Parsed<Program> {
         let mut directives = Vec::new();
         self.skip_blank(&mut directives);
+        self.refuse_include_file()?;
         let _ = self.expect_keyword(Keyword::Program)?;
         let name = self.expect_name("the program's name")?;
         let mut decls = self.declarations(&mut directives, Place::Program);
@@ -28,6 +29,27 @@ impl Parser<'_> {
             body,
             end,
         })
+    }
+
+    /// An include file starts with a section; it is no program of its own.
+    fn refuse_include_file(&mut self) -> Parsed<()> {
+        let token = self.peek();
+        let section = [
+            Keyword::Const,
+            Keyword::Type,
+            Keyword::Var,
+            Keyword::Routine,
+        ];
+        if !section
+            .iter()
+            .any(|keyword| token.kind == TokenKind::Keyword(*keyword))
+        {
+            return Ok(());
+        }
+        let message = format!("expected PROGRAM, found {}", self.describe(token));
+        let help = "this looks like a file for %INCLUDE, not like a program";
+        self.reports.error_with_help(token.span, message, help);
+        Err(Reported)
     }
 
     /// `BEGIN stmts END name`.

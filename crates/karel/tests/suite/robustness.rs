@@ -189,6 +189,26 @@ fn types_within_types_and_huge_variables_are_refused() {
 }
 
 #[test]
+fn a_value_too_large_for_a_task_is_refused_when_it_is_needed() {
+    let source = "PROGRAM x\nTYPE big = STRUCTURE\na: ARRAY[1000000] OF INTEGER\nENDSTRUCTURE\nVAR n: big\nROUTINE f: big\nBEGIN\nEND f\nBEGIN\nn = f\nEND x\n";
+    let program = Program::parse_and_check(source.as_bytes(), "x.kl").unwrap();
+    let mut machine = Machine::new(Limits::default());
+    machine.load(program).unwrap();
+    let refused = machine.start("x").unwrap_err().to_string();
+    assert_eq!(
+        refused,
+        "the main body needs 1000000 cells of memory, a task may have 262144"
+    );
+}
+
+#[test]
+fn tasks_can_move_between_threads() {
+    fn assert_send<T: Send>() {}
+    assert_send::<Machine>();
+    assert_send::<Program>();
+}
+
+#[test]
 fn the_deepest_legal_nesting_translates_and_runs() {
     let open = "IF TRUE THEN\n".repeat(95);
     let close = "ENDIF\n".repeat(95);
