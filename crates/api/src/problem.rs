@@ -148,12 +148,12 @@ problem_codes! {
     NoAcceptedTarget, "no-accepted-target", 409, "There is no accepted target to count from";
     /// The server is stopping.
     ShuttingDown, "shutting-down", 503, "The server is stopping";
+    /// A defect of the server.
+    Internal, "internal", 500, "Something went wrong in the server";
     /// A page of another site made a browser send the request.
     CrossSiteRequest, "cross-site-request", 403, "The request comes from another site";
     /// The Host header names a host the server does not answer for.
     HostNotAllowed, "host-not-allowed", 421, "The host is not one of this server's";
-    /// A defect of the server.
-    Internal, "internal", 500, "Something went wrong in the server";
 }
 
 #[cfg(test)]
