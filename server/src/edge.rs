@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use api::{Outcome, ProblemCode};
 use axum::extract::{MatchedPath, Request, State};
-use axum::http::{HeaderValue, Method, StatusCode, header};
+use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse as _, Response};
 use tokio::time::{Instant, timeout};
@@ -51,9 +51,7 @@ pub(crate) async fn edge(
     } else if response.status() == StatusCode::METHOD_NOT_ALLOWED {
         response = method_not_allowed(&method, &response, uri.path(), &request_id);
     }
-    if let Ok(value) = HeaderValue::from_str(&request_id) {
-        let _none = response.headers_mut().insert(request_id::HEADER, value);
-    }
+    add_headers(response.headers_mut(), &request_id);
     let took = started.elapsed();
     let status = response.status();
     app.metrics.request(
@@ -64,6 +62,24 @@ pub(crate) async fn edge(
     );
     span.in_scope(|| tracing::debug!(status = status.as_u16(), ?took, "answered"));
     response
+}
+
+/// Adds what every answer has: its id, and that no other page may frame it or take it for something else.
+fn add_headers(headers: &mut HeaderMap, request_id: &str) {
+    let id = HeaderValue::from_str(request_id).unwrap_or(HeaderValue::from_static(""));
+    for (name, value) in [
+        (request_id::HEADER, id),
+        (
+            header::X_CONTENT_TYPE_OPTIONS,
+            HeaderValue::from_static("nosniff"),
+        ),
+        (
+            header::CONTENT_SECURITY_POLICY,
+            HeaderValue::from_static("frame-ancestors 'none'"),
+        ),
+    ] {
+        let _none = headers.insert(name, value);
+    }
 }
 
 /// `None` where the handler panicked: a defect of the server, which costs this request and no other.

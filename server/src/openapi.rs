@@ -14,12 +14,13 @@ at most once.
 
 This is not a safety function: emergency stop and guards are hard-wired in the controller.";
 
-const TAGS: [(&str, &str); 6] = [
+const TAGS: [(&str, &str); 7] = [
     ("legacy", "The routes of the seed's clients, for one robot."),
     ("cells", "The cells and their robots."),
     ("robots", "What a robot is, and what is known of it now."),
     ("kinematics", "Poses and joint values; nothing is sent."),
     ("motions", "Moving a robot, and what became of it."),
+    ("problems", "The kinds of problems, by their stable codes."),
     ("health", "For whoever watches the server."),
 ];
 

@@ -25,5 +25,5 @@ pub use legacy::{
 };
 pub use motion::{Completion, Motion, MotionBody, MotionList, MotionState, MotionType, TargetBody};
 pub use pose::{JointsBody, PoseBody};
-pub use problem::{Outcome, Problem, ProblemCode, Violation};
+pub use problem::{Outcome, Problem, ProblemCode, ProblemKind, Violation};
 pub use state::{LinkState, LinkStatus, PoseSource, RobotState};

@@ -43,6 +43,17 @@ pub struct Problem {
     pub hint: Option<String>,
 }
 
+/// A kind of problem: what a problem's `type` leads to.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
+pub struct ProblemKind {
+    /// The stable code, for programs.
+    pub code: ProblemCode,
+    /// The kind of problem in a few words.
+    pub title: String,
+    /// The HTTP status that goes with it.
+    pub status: u16,
+}
+
 /// One thing wrong: a field of the request, or a joint of the arm.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize, ToSchema)]
 pub struct Violation {
@@ -91,6 +102,12 @@ macro_rules! problem_codes {
             #[must_use]
             pub fn as_str(self) -> &'static str {
                 match self { $(Self::$variant => $text,)* }
+            }
+
+            /// The code a text names.
+            #[must_use]
+            pub fn of_str(text: &str) -> Option<Self> {
+                Self::ALL.iter().copied().find(|code| code.as_str() == text)
             }
 
             /// The HTTP status that goes with the code.
@@ -148,12 +165,12 @@ problem_codes! {
     NoAcceptedTarget, "no-accepted-target", 409, "There is no accepted target to count from";
     /// The server is stopping.
     ShuttingDown, "shutting-down", 503, "The server is stopping";
+    /// A defect of the server.
+    Internal, "internal", 500, "Something went wrong in the server";
     /// A page of another site made a browser send the request.
     CrossSiteRequest, "cross-site-request", 403, "The request comes from another site";
     /// The Host header names a host the server does not answer for.
     HostNotAllowed, "host-not-allowed", 421, "The host is not one of this server's";
-    /// A defect of the server.
-    Internal, "internal", 500, "Something went wrong in the server";
 }
 
 #[cfg(test)]
@@ -165,6 +182,7 @@ mod tests {
         for code in ProblemCode::ALL {
             let written = serde_json::to_string(code).unwrap();
             assert_eq!(written, format!("\"{}\"", code.as_str()));
+            assert_eq!(ProblemCode::of_str(code.as_str()), Some(*code));
             assert!((400..600).contains(&code.status()));
         }
     }

@@ -8,6 +8,8 @@ mod connector;
 mod error;
 mod owner;
 mod seed;
+#[cfg(test)]
+mod tests;
 
 use std::time::Duration;
 

@@ -8,6 +8,7 @@ mod legacy;
 mod legacy_error;
 mod motions;
 mod params;
+mod problems;
 mod responses;
 mod robots;
 
@@ -35,6 +36,8 @@ pub(crate) fn documented() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(kinematics::inverse))
         .routes(routes!(motions::create_motion, motions::list_motions))
         .routes(routes!(motions::get_motion))
+        .routes(routes!(problems::list_problems))
+        .routes(routes!(problems::get_problem))
         .routes(routes!(health::livez))
         .routes(routes!(health::readyz))
         .routes(routes!(health::metrics))

@@ -55,13 +55,13 @@ impl FromRequestParts<Arc<App>> for MotionId {
     }
 }
 
-async fn path_params(parts: &mut Parts) -> Result<RawPathParams, Problem> {
+pub(super) async fn path_params(parts: &mut Parts) -> Result<RawPathParams, Problem> {
     RawPathParams::from_request_parts(parts, &())
         .await
         .map_err(|_| Problem::not_found("the path is not UTF-8"))
 }
 
-fn param<'a>(params: &'a RawPathParams, name: &str) -> Result<&'a str, Problem> {
+pub(super) fn param<'a>(params: &'a RawPathParams, name: &str) -> Result<&'a str, Problem> {
     params
         .iter()
         .find(|(key, _)| *key == name)

@@ -210,3 +210,17 @@ async fn another_content_type_is_refused() {
         .await;
     assert_eq!(reply.status, 202, "{reply:?}");
 }
+
+#[tokio::test]
+async fn a_body_cut_short_is_never_a_command() {
+    let robot = FakeRobot::accepting().await;
+    let server = TestServer::start(&robot).await;
+    let (whole_legacy, whole_motion) = (legacy("985"), motion("985", "200"));
+    for (path, whole) in [("/fanuc/move", whole_legacy), (MOTIONS, whole_motion)] {
+        for cut in 0..whole.len() {
+            let reply = server.post(path, &whole[..cut]).await;
+            assert!(matches!(reply.status, 400 | 422), "{cut}: {reply:?}");
+        }
+    }
+    robot.assert_untouched();
+}

@@ -90,6 +90,10 @@ async fn what_is_not_there_is_a_problem() {
         assert_eq!(problem["instance"], path);
     }
     let reply = server.get("/fanuc/move").await;
+    assert_eq!(
+        reply.header("content-security-policy"),
+        Some("frame-ancestors 'none'")
+    );
     let _problem = reply.problem(405, "method-not-allowed", "NONE");
     assert_eq!(reply.header("allow"), Some("POST"));
     let headers = [
@@ -99,4 +103,19 @@ async fn what_is_not_there_is_a_problem() {
     let reply = server.request("PUT", "/fanuc/move", &headers, POINT).await;
     assert_eq!(reply.status, 405);
     robot.assert_untouched();
+}
+
+#[tokio::test]
+async fn the_type_of_a_problem_leads_to_its_kind() {
+    let robot = FakeRobot::accepting().await;
+    let server = TestServer::start(&robot).await;
+    let problem = server.get("/nothing").await.json();
+    let kind = server.get(problem["type"].as_str().unwrap()).await.json();
+    assert_eq!(kind["code"], "not-found");
+    assert_eq!(kind["title"], problem["title"]);
+    let kinds = server.get("/problems").await.json();
+    assert_eq!(kinds.as_array().unwrap().len(), api::ProblemCode::ALL.len());
+    assert!(kinds.as_array().unwrap().contains(&kind));
+    let reply = server.get("/problems/bad-luck").await;
+    let _problem = reply.problem(404, "not-found", "NONE");
 }

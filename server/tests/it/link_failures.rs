@@ -87,31 +87,6 @@ async fn a_controller_that_was_away_is_tried_once() {
 }
 
 #[tokio::test]
-async fn a_connection_refused_right_after_an_answer_is_tried_again() {
-    let robot = FakeRobot::accepting().await;
-    let network = ScriptedNetwork::default();
-    let server = TestServer::with(
-        ServerSection::default(),
-        robot_section(robot.address),
-        network.clone(),
-    )
-    .await;
-    assert_eq!(server.post(MOTIONS, MOTION).await.status, 202);
-
-    network.then([Attempt::Refused, Attempt::Refused, Attempt::Refused]);
-    assert_eq!(server.post(MOTIONS, MOTION).await.status, 202);
-    assert_eq!(network.left(), 0);
-    assert_eq!(robot.commands().len(), 2);
-
-    // Not for ever: 5 + 10 + 20 + 40 + 80 ms and it is given up.
-    network.then([Attempt::Refused; 50]);
-    let reply = server.post(MOTIONS, MOTION).await;
-    let _problem = reply.problem(503, "controller-disconnected", "NOT_SENT");
-    assert!(network.left() >= 44, "{} left", network.left());
-    assert_eq!(robot.commands().len(), 2);
-}
-
-#[tokio::test]
 async fn no_answer_or_half_of_one_leaves_the_motion_in_doubt() {
     let acts = [
         Act::Silence,

@@ -51,6 +51,7 @@ impl HttpReply {
         assert_eq!(problem["code"], code, "{problem}");
         assert_eq!(problem["outcome"], outcome, "{problem}");
         assert_eq!(problem["request_id"], self.header("x-request-id").unwrap());
+        assert_eq!(problem["type"], format!("/problems/{code}"));
         assert!(problem["instance"].as_str().unwrap().starts_with('/'));
         problem
     }
