@@ -1,4 +1,8 @@
 //! The binary as a person meets it: what it says when something is wrong, and that it starts and stops.
+#![expect(
+    clippy::unwrap_used,
+    reason = "a helper that fails is a test that fails"
+)]
 
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};

@@ -4,6 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::process::Command;
 
+use serde_json::Value;
+
 type Arrows = BTreeMap<String, BTreeSet<String>>;
 
 #[test]
@@ -93,26 +95,41 @@ fn real_arrows() -> Arrows {
         "{}",
         String::from_utf8_lossy(&output.stderr)
     );
-    let metadata: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    let list = |value: &serde_json::Value| value.as_array().cloned().unwrap_or_default();
-    let packages = list(&metadata["packages"]);
-    let text = |value: &serde_json::Value| value.as_str().unwrap_or_default().to_owned();
+    let metadata: Value = serde_json::from_slice(&output.stdout).expect("cargo metadata is JSON");
+    let packages = list(&metadata, "packages");
     let names: BTreeSet<String> = packages
         .iter()
-        .map(|package| text(&package["name"]))
+        .map(|package| text(package, "name"))
         .collect();
+    let inside = |package: &Value| -> BTreeSet<String> {
+        let dependencies = list(package, "dependencies").into_iter();
+        let normal = dependencies.filter(|dependency| text(dependency, "kind").is_empty());
+        normal
+            .map(|dependency| text(&dependency, "name"))
+            .filter(|name| names.contains(name))
+            .collect()
+    };
     packages
         .iter()
-        .map(|package| {
-            let dependencies = package["dependencies"].as_array().unwrap().iter();
-            let normal = dependencies.filter(|dependency| dependency["kind"].is_null());
-            let inside = normal.map(|dependency| text(&dependency["name"]));
-            (
-                text(&package["name"]),
-                inside.filter(|name| names.contains(name)).collect(),
-            )
-        })
+        .map(|package| (text(package, "name"), inside(package)))
         .collect()
+}
+
+fn list(value: &Value, key: &str) -> Vec<Value> {
+    value
+        .get(key)
+        .and_then(Value::as_array)
+        .cloned()
+        .unwrap_or_default()
+}
+
+/// Empty where the key is null: a normal dependency has no kind.
+fn text(value: &Value, key: &str) -> String {
+    value
+        .get(key)
+        .and_then(Value::as_str)
+        .unwrap_or_default()
+        .to_owned()
 }
 
 fn root() -> std::path::PathBuf {
