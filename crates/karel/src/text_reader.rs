@@ -21,7 +21,9 @@ pub(crate) enum LineState {
     /// Behind a CR: an LF that follows belongs to it.
     AfterCr,
     /// The rest of the line is to be dropped.
-    Skipping,
+    SkippingLine,
+    /// The rest of an illegal token is to be dropped, with its delimiter.
+    SkippingToken,
 }
 
 /// What a READ item asks for.
@@ -137,7 +139,12 @@ impl<'a> Reader<'a> {
 
     /// Finishes what the last READ left to do. `false` if that needs more bytes.
     fn settle_line(&mut self) -> bool {
-        if self.line_state == LineState::Skipping && !self.drop_line() {
+        let settled = match self.line_state {
+            LineState::SkippingLine => self.drop_line(),
+            LineState::SkippingToken => self.drop_token(),
+            LineState::Inside | LineState::AfterCr => true,
+        };
+        if !settled {
             return false;
         }
         if self.line_state == LineState::AfterCr
@@ -151,10 +158,24 @@ impl<'a> Reader<'a> {
 
     /// Drops bytes through the next line end. `false` if it has not arrived.
     fn drop_line(&mut self) -> bool {
-        self.line_state = LineState::Skipping;
+        self.line_state = LineState::SkippingLine;
         while let Some(byte) = self.peek() {
             self.offset += 1;
             if self.ends_line(byte) {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Drops bytes through the next delimiter. `false` if it has not arrived.
+    fn drop_token(&mut self) -> bool {
+        self.line_state = LineState::SkippingToken;
+        while let Some(byte) = self.peek() {
+            self.offset += 1;
+            if is_delimiter(byte) {
+                self.line_state = LineState::Inside;
+                let _ = self.ends_line(byte);
                 return true;
             }
         }
@@ -210,10 +231,10 @@ impl<'a> Reader<'a> {
         };
         let token = rest.get(..length).unwrap_or_default();
         if token.len() > MAX_TOKEN {
-            return self.illegal();
+            return self.illegal_token();
         }
         let Some(value) = parse(token, kind) else {
-            return self.illegal();
+            return self.illegal_token();
         };
         let delimiter = rest.get(length).copied().unwrap_or(b' ');
         self.offset += length + 1;
@@ -229,28 +250,30 @@ impl<'a> Reader<'a> {
         }
         let hopeless = token.len() > MAX_TOKEN || !can_become(token, kind);
         match self.end {
-            InputEnd::Open if hopeless => self.illegal(),
+            InputEnd::Open if hopeless => self.illegal_token(),
             InputEnd::Open => ReadResult::Incomplete,
             InputEnd::Closed(_) => match parse(token, kind) {
                 Some(value) if !hopeless => {
                     self.offset += token.len();
                     ReadResult::Value(value)
                 }
-                Some(_) | None => self.illegal(),
+                Some(_) | None => self.illegal_token(),
             },
         }
     }
 
-    /// Illegal data: INTP-333, and the rest of the line is dropped, whether it arrived or not.
+    /// Illegal data: INTP-333. The token is dropped with its one delimiter, whether they arrived or not; the rest of
+    /// the line is for the next READ.
     ///
-    /// ASSUMPTION: that the line is dropped, and not only the token, is the description's word for
-    /// it; no recording of a controller was available.
-    fn illegal(&mut self) -> ReadResult {
-        let _ = self.drop_line();
+    /// ASSUMPTION: no recording of a controller was available. A published program reads eight fields with eight
+    /// READs and answers `a b c d e f g h` at once, while its client keeps its side open. So each READ of an illegal
+    /// field must take that field and no other: if the whole line went with the first, seven READs would wait.
+    fn illegal_token(&mut self) -> ReadResult {
+        let _ = self.drop_token();
         ReadResult::Failed(Status::INTP_ILLEGAL_DATA)
     }
 
-    /// `::n`: exactly n bytes, whatever they are.
+    /// `::n`: exactly n bytes, whatever they are, legal or not.
     fn fixed_width(&mut self, width: usize, kind: ItemKind) -> ReadResult {
         if width > MAX_TOKEN {
             return ReadResult::Failed(Status::INTP_ARGUMENT);
@@ -271,13 +294,11 @@ impl<'a> Reader<'a> {
         };
         let is_text = matches!(kind, ItemKind::Text { .. });
         let trimmed = if is_text { field } else { field.trim_ascii() };
-        match parse(trimmed, kind) {
-            Some(value) => {
-                self.offset += width;
-                ReadResult::Value(value)
-            }
-            None => self.illegal(),
-        }
+        self.offset += width;
+        parse(trimmed, kind).map_or(
+            ReadResult::Failed(Status::INTP_ILLEGAL_DATA),
+            ReadResult::Value,
+        )
     }
 
     /// A string without a width: to the end of the line, cut to the variable's length.
@@ -293,7 +314,7 @@ impl<'a> Reader<'a> {
             // As long as any string can be: the rest of the line does not matter any more.
             (None, _) if rest.len() >= MAX_TOKEN => {
                 self.offset += rest.len();
-                self.line_state = LineState::Skipping;
+                self.line_state = LineState::SkippingLine;
                 rest.len()
             }
             (None, InputEnd::Open) => return ReadResult::Incomplete,

@@ -79,7 +79,11 @@ fn items_read_as_the_table_says() {
         (b"12", GONE, INTEGER, integer(12), 2),  // [D] the end is a delimiter
         (b"", GONE, INTEGER, closed.clone(), 0), // [S]
         (b"  ", GONE, INTEGER, closed.clone(), 2), // [D]
-        (b"abc 5\n6", OPEN, INTEGER, ILLEGAL, 6), // [K] the line is dropped
+        (b"abc 5\n6", OPEN, INTEGER, ILLEGAL, 4), // [D] the token is dropped, with one delimiter
+        (b"abc  5", OPEN, INTEGER, ILLEGAL, 4),  // [D] exactly one
+        (b"abc\r\n5", OPEN, INTEGER, ILLEGAL, 4), // [D]
+        (b", 5", OPEN, INTEGER, ILLEGAL, 1),     // [D] nothing before a comma is no number
+        (b"abc", GONE, INTEGER, ILLEGAL, 3),     // [D]
         (b"12abc\n6", OPEN, INTEGER, ILLEGAL, 6), // [D] the whole token must be a number
         (b"1.5\n", OPEN, INTEGER, ILLEGAL, 4),   // [D]
         (b"x", OPEN, INTEGER, ILLEGAL, 1),       // [D] hopeless at once
@@ -90,6 +94,8 @@ fn items_read_as_the_table_says() {
         (b"1", OPEN, wide(INTEGER, 1), integer(1), 1), // [S] a width needs no delimiter
         (b" 12 9", OPEN, wide(INTEGER, 4), integer(12), 4), // [D] blanks inside the width
         (b" ", OPEN, wide(INTEGER, 1), ILLEGAL, 1),   // [D]
+        (b"h 5\n", OPEN, wide(INTEGER, 1), ILLEGAL, 1), // [D] a width takes its bytes, legal or not
+        (b"1x34", OPEN, wide(INTEGER, 3), ILLEGAL, 3), // [D]
         (b"12", OPEN, wide(INTEGER, 3), ReadResult::Incomplete, 0),
         (b"12", GONE, wide(INTEGER, 3), short, 2), // [D]
         (b"1.5 ", OPEN, REAL, real(1.5), 4),
@@ -143,15 +149,35 @@ fn assumed_delimiter_rule_lets_a_width_of_one_follow_a_number() {
 }
 
 #[test]
-fn assumed_illegal_data_drops_the_rest_of_its_line_even_if_it_arrives_later() {
-    let first = read(b"x 1", OPEN, INTEGER);
-    assert_eq!((first.consumed, first.line_state), (3, LineState::Skipping));
+fn assumed_illegal_data_costs_its_token_even_if_that_arrives_later() {
+    let first = read(b"x1", OPEN, INTEGER);
+    assert_eq!(
+        (first.consumed, first.line_state),
+        (2, LineState::SkippingToken)
+    );
     let later = Input {
-        bytes: b" 2 3\n4 ",
+        bytes: b"23 4 5",
         end: OPEN,
     };
     let second = read_item(later, first.line_state, INTEGER);
-    assert_eq!((second.result, second.consumed), (integer(4), 7));
+    assert_eq!((second.result, second.consumed), (integer(4), 5));
+}
+
+#[test]
+fn assumed_eight_reads_of_eight_illegal_fields_wait_for_nothing() {
+    let mut formats = [INTEGER; 8];
+    formats[7] = wide(INTEGER, 1);
+    for message in [
+        &b"a b c d e f g h\n"[..],
+        b"a b c d e f g h",
+        b"a,b,c,d,e,f,g,h",
+    ] {
+        assert_eq!(read_all(message, OPEN, &formats), vec![ILLEGAL; 8]);
+    }
+    let items = read_all(b"1 2 x 4 5 6 7 1", OPEN, &formats);
+    let mut expected = [1, 2, 3, 4, 5, 6, 7, 1].map(integer);
+    expected[2] = ILLEGAL;
+    assert_eq!(items, expected);
 }
 
 #[test]
@@ -185,7 +211,7 @@ fn a_token_that_never_ends_is_given_up() {
     let reading = read(&line, OPEN, TEXT);
     assert_eq!(
         (reading.result, reading.line_state),
-        (text("aaaaaaaa"), LineState::Skipping)
+        (text("aaaaaaaa"), LineState::SkippingLine)
     );
     assert_eq!(reading.consumed, MAX_TOKEN);
 }
@@ -257,6 +283,19 @@ mod laws {
                 let reading = read(&message.as_bytes()[..length], OPEN, INTEGER);
                 prop_assert_eq!(reading.result, ReadResult::Incomplete);
             }
+        }
+
+        #[test]
+        fn each_token_is_one_item_whatever_stands_before_it(
+            tokens in proptest::collection::vec(("[0-9a-z.-]{1,4}", prop_oneof![Just(' '), Just(','), Just('\n'), Just('\t')]), 1..8),
+        ) {
+            let message: String = tokens.iter().map(|(token, end)| format!("{token}{end}")).collect();
+            let alone = |(token, _): &(String, char)| {
+                parse(token.as_bytes(), INTEGER.kind).map_or(ILLEGAL, ReadResult::Value)
+            };
+            let expected: Vec<ReadResult> = tokens.iter().map(alone).collect();
+            let formats = vec![INTEGER; tokens.len()];
+            prop_assert_eq!(read_all(message.as_bytes(), OPEN, &formats), expected);
         }
 
         #[test]
