@@ -49,6 +49,24 @@ pub struct PoseMmDeg {
     pub r_deg: f64,
 }
 
+/// `(600.000, 200.000, 600.000, -180.000, 30.000, 0.000)`, in the pendant's order and units.
+impl std::fmt::Display for PoseMmDeg {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self {
+            x_mm,
+            y_mm,
+            z_mm,
+            w_deg,
+            p_deg,
+            r_deg,
+        } = self;
+        write!(
+            f,
+            "({x_mm:.3}, {y_mm:.3}, {z_mm:.3}, {w_deg:.3}, {p_deg:.3}, {r_deg:.3})"
+        )
+    }
+}
+
 /// What happened to a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -215,6 +233,22 @@ mod tests {
         assert_eq!(ledger.after(0).map(|e| e.seq).collect::<Vec<_>>(), [2, 3]);
         assert_eq!(ledger.after(2).count(), 1);
         assert_eq!(ledger.last_seq(), 3);
+    }
+
+    #[test]
+    fn a_pose_reads_as_on_the_pendant() {
+        let pose = PoseMmDeg {
+            x_mm: 600.0,
+            y_mm: 200.0,
+            z_mm: 600.0,
+            w_deg: -180.0,
+            p_deg: 30.0,
+            r_deg: 0.000_04,
+        };
+        assert_eq!(
+            pose.to_string(),
+            "(600.000, 200.000, 600.000, -180.000, 30.000, 0.000)"
+        );
     }
 
     #[test]

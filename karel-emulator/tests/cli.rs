@@ -95,6 +95,23 @@ fn what_cannot_run_is_one_sentence_and_exit_code_two() {
 }
 
 #[test]
+fn a_port_in_use_is_one_sentence_that_names_the_port() {
+    let taken = std::net::TcpListener::bind("127.0.0.1:0").expect("a free port");
+    let port = taken.local_addr().expect("it is bound").port().to_string();
+    let map = format!("59002={port}");
+    let panel = format!("127.0.0.1:{port}");
+    for arguments in [
+        &["run", SERVER, "--panel", "off", "--port-map", &map][..],
+        &["run", SERVER, "--port-map", "59002=0", "--panel", &panel],
+    ] {
+        let (code, text) = run(arguments);
+        assert_eq!(code, Some(2), "{text}");
+        assert_eq!(text.trim_end().lines().count(), 1, "{text}");
+        assert!(text.contains(&port) && text.contains("in use"), "{text}");
+    }
+}
+
+#[test]
 fn run_serves_until_it_is_terminated() {
     let mut child = emulator(&[
         "run",
@@ -104,7 +121,7 @@ fn run_serves_until_it_is_terminated() {
         "--panel",
         "127.0.0.1:0",
     ])
-    .env("NO_COLOR", "1")
+    .env_remove("NO_COLOR")
     .stderr(Stdio::piped())
     .spawn()
     .expect("the binary is built");
@@ -128,4 +145,5 @@ fn run_serves_until_it_is_terminated() {
     let status = child.wait().expect("it ends");
     assert!(status.success(), "{status}: {seen}");
     assert!(seen.contains("The controller is off"), "{seen}");
+    assert!(!seen.contains('\x1b'), "colors are for terminals: {seen}");
 }

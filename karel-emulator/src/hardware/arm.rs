@@ -182,7 +182,9 @@ impl Hardware {
             motion = tag.id.0,
             request_id = tag.origin.request_id.as_deref(),
             peer = tag.origin.peer.map(tracing::field::display),
-            "The arm starts motion {} to {:?}, which takes {:.3} s.",
+            speed_mm_s = tag.speed_mm_s,
+            override_percent = self.override_percent,
+            "The arm starts motion {} to {}, which takes {:.3} s.",
             tag.id.0, tag.target, path.duration() / rate,
         );
         self.ledger.push(entry);

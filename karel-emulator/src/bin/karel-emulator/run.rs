@@ -1,5 +1,6 @@
 //! `karel-emulator run`: a controller until it is interrupted.
 
+use std::io::IsTerminal;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -71,6 +72,7 @@ impl Run {
         tracing_subscriber::fmt()
             .with_env_filter(filter)
             .with_writer(std::io::stderr)
+            .with_ansi(use_color())
             .init();
         let config = self.config()?;
         let clock = Clock::scaled(self.time_scale).ok_or_else(|| {
@@ -116,6 +118,11 @@ impl Run {
         config.panel = parse_panel(&self.panel)?;
         Ok(config)
     }
+}
+
+/// Colors are for a terminal, and only if its owner likes them.
+fn use_color() -> bool {
+    std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty())
 }
 
 async fn serve(config: &ControllerConfig, clock: Clock) -> anyhow::Result<()> {
