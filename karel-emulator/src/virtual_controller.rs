@@ -51,16 +51,13 @@ impl VirtualController {
         let panel = match panel {
             None => None,
             Some((listener, address)) => {
-                let router = panel::router(lines.commands.clone());
-                let stopped = stop.clone().cancelled_owned();
-                let _task = tracker.spawn(async move {
-                    let served = axum::serve(listener, router)
-                        .with_graceful_shutdown(stopped)
-                        .await;
-                    if let Err(error) = served {
-                        tracing::warn!(%error, "The panel stopped.");
-                    }
-                });
+                let served = panel::serve(
+                    listener,
+                    lines.commands.clone(),
+                    stop.clone(),
+                    tracker.clone(),
+                );
+                let _task = tracker.spawn(served);
                 Some(address)
             }
         };

@@ -2,8 +2,9 @@
 
 mod common;
 
-use common::{LINE, Stepped, call, config_of, http_get, sock_server, within};
+use common::{ACCEPTED, LINE, Stepped, call, config_of, http_get, sock_server, within};
 use karel_emulator::{Clock, ControllerConfig, PeerLabels, StartError, VirtualController};
+use tokio::net::TcpStream;
 
 fn with_panel(mut config: ControllerConfig) -> ControllerConfig {
     config.panel = Some(([127, 0, 0, 1], 0).into());
@@ -40,6 +41,13 @@ async fn the_panel_shows_the_ledger_from_a_number_on() {
     assert_eq!(list["dropped"], 0);
     assert_eq!(list["entries"].as_array().unwrap().len(), 1);
     assert_eq!(list["entries"][0]["event"], "finished");
+    let answer = http_get(panel, "/ledger?limit=1", "127.0.0.1").await;
+    assert!(answer.contains("finished") && !answer.contains("started"));
+    let answer = http_get(panel, "/alarms?limit=0", "127.0.0.1").await;
+    assert!(
+        answer.ends_with(r#"{"dropped":0,"entries":[]}"#),
+        "{answer}"
+    );
     let page = http_get(panel, "/", "localhost").await;
     assert!(page.starts_with("HTTP/1.1 200") && page.contains("<!doctype html>"));
 }
@@ -55,6 +63,35 @@ async fn what_the_panel_does_not_have_it_says_in_json() {
     assert!(answer.starts_with("HTTP/1.1 400"), "{answer}");
     let answer = http_get(panel, "/state", "evil.example").await;
     assert!(answer.starts_with("HTTP/1.1 403"), "{answer}");
+}
+
+#[tokio::test]
+async fn the_panel_refuses_what_is_not_a_question_and_what_is_too_long() {
+    let cell = Stepped::start(&with_panel(sock_server()));
+    let panel = cell.controller.panel_address().unwrap();
+    let post = "POST /state HTTP/1.1\r\nHost: localhost\r\nContent-Length: 99999999\r\nConnection: close\r\n\r\n";
+    let answer = call(panel, post.as_bytes()).await;
+    assert!(answer.starts_with("HTTP/1.1 405"), "{answer}");
+    assert!(answer.contains("application/problem+json"), "{answer}");
+    let answer = http_get(panel, &format!("/{}", "x".repeat(20_000)), "localhost").await;
+    assert!(answer.starts_with("HTTP/1.1 4"), "{answer}");
+    let answer = http_get(panel, "/state", "localhost").await;
+    assert!(answer.contains("frame-ancestors 'none'"), "{answer}");
+}
+
+#[tokio::test]
+async fn clients_that_hold_the_panel_get_no_more_than_its_places_and_stop_nobody() {
+    let cell = Stepped::start(&with_panel(sock_server()));
+    let panel = cell.controller.panel_address().unwrap();
+    let mut held = Vec::new();
+    for _ in 0..100 {
+        held.push(within(TcpStream::connect(panel)).await.unwrap());
+    }
+    assert_eq!(call(cell.address().await, LINE).await, ACCEPTED);
+    drop(held);
+    let answer = http_get(panel, "/state", "localhost").await;
+    assert!(answer.starts_with("HTTP/1.1 200"), "{answer}");
+    within(cell.controller.shutdown()).await;
 }
 
 #[tokio::test]

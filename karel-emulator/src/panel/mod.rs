@@ -1,13 +1,19 @@
 //! The panel: the controller over HTTP, for people and for tests. It can look and not touch.
 
+mod serve;
+
 use axum::Router;
+use axum::extract::rejection::QueryRejection;
 use axum::extract::{Query, Request, State as Shared};
-use axum::http::{StatusCode, header};
+use axum::http::{HeaderValue, StatusCode, header};
 use axum::middleware::{self, Next};
 use axum::response::{Html, IntoResponse, Json, Response};
 use axum::routing::get;
 use serde::{Deserialize, Serialize};
+use tokio::net::TcpListener;
 use tokio::sync::mpsc;
+use tokio_util::sync::CancellationToken;
+use tokio_util::task::TaskTracker;
 
 use crate::driver::{Command, Page};
 use crate::error::ControllerStopped;
@@ -17,8 +23,22 @@ const PAGE: &str = include_str!("page.html");
 
 type Commands = mpsc::Sender<Command>;
 
+/// The page runs its own script and asks its own origin, nothing else.
+const CONTENT_POLICY: &str = "default-src 'none'; img-src data:; script-src 'unsafe-inline'; style-src 'unsafe-inline'; \
+    connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+/// Serves the panel until `stop`.
+pub(crate) async fn serve(
+    listener: TcpListener,
+    commands: Commands,
+    stop: CancellationToken,
+    tracker: TaskTracker,
+) {
+    serve::serve(listener, router(commands), stop, tracker).await;
+}
+
 /// The routes of the panel.
-pub(crate) fn router(commands: Commands) -> Router {
+fn router(commands: Commands) -> Router {
     Router::new()
         .route("/", get(|| async { Html(PAGE) }))
         .route("/state", get(state))
@@ -26,7 +46,8 @@ pub(crate) fn router(commands: Commands) -> Router {
         .route("/alarms", get(alarms))
         .route("/screen", get(screen))
         .fallback(not_found)
-        .layer(middleware::from_fn(only_local_names))
+        .method_not_allowed_fallback(not_allowed)
+        .layer(middleware::from_fn(guard))
         .with_state(commands)
 }
 
@@ -38,13 +59,15 @@ struct List<T> {
     entries: Vec<T>,
 }
 
-impl<T> From<Page<T>> for List<T> {
-    fn from(page: Page<T>) -> Self {
-        Self {
-            dropped: page.dropped,
-            entries: page.entries,
-        }
-    }
+/// The newest `limit` entries of a page.
+fn list<T: Serialize>(page: Page<T>, limit: Option<usize>) -> Response {
+    let Page {
+        mut entries,
+        dropped,
+    } = page;
+    let surplus = limit.map_or(0, |limit| entries.len().saturating_sub(limit));
+    drop(entries.drain(..surplus));
+    Json(List { dropped, entries }).into_response()
 }
 
 #[derive(Deserialize)]
@@ -53,6 +76,15 @@ struct LedgerQuery {
     /// Only entries with a higher number.
     #[serde(default)]
     after: u64,
+    /// Only so many, the newest. All that are kept, if it is missing; what is kept is bounded.
+    limit: Option<usize>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AlarmsQuery {
+    /// As for the ledger.
+    limit: Option<usize>,
 }
 
 async fn state(Shared(commands): Shared<Commands>) -> Result<Response, ControllerStopped> {
@@ -61,18 +93,25 @@ async fn state(Shared(commands): Shared<Commands>) -> Result<Response, Controlle
 
 async fn ledger(
     Shared(commands): Shared<Commands>,
-    query: Result<Query<LedgerQuery>, axum::extract::rejection::QueryRejection>,
+    query: Result<Query<LedgerQuery>, QueryRejection>,
 ) -> Result<Response, ControllerStopped> {
-    let after = match query {
-        Ok(Query(LedgerQuery { after })) => after,
+    let LedgerQuery { after, limit } = match query {
+        Ok(Query(query)) => query,
         Err(rejection) => return Ok(problem(StatusCode::BAD_REQUEST, &rejection.body_text())),
     };
     let page = ask(&commands, |answer| Command::Ledger { after, answer }).await?;
-    Ok(Json(List::from(page)).into_response())
+    Ok(list(page, limit))
 }
 
-async fn alarms(Shared(commands): Shared<Commands>) -> Result<Response, ControllerStopped> {
-    Ok(Json(List::from(ask(&commands, Command::Alarms).await?)).into_response())
+async fn alarms(
+    Shared(commands): Shared<Commands>,
+    query: Result<Query<AlarmsQuery>, QueryRejection>,
+) -> Result<Response, ControllerStopped> {
+    let AlarmsQuery { limit } = match query {
+        Ok(Query(query)) => query,
+        Err(rejection) => return Ok(problem(StatusCode::BAD_REQUEST, &rejection.body_text())),
+    };
+    Ok(list(ask(&commands, Command::Alarms).await?, limit))
 }
 
 async fn screen(Shared(commands): Shared<Commands>) -> Result<Response, ControllerStopped> {
@@ -84,20 +123,38 @@ async fn not_found(request: Request) -> Response {
     problem(StatusCode::NOT_FOUND, &text)
 }
 
-/// A page of another origin must not read the panel through a name that it points to this machine.
-async fn only_local_names(request: Request, next: Next) -> Response {
+async fn not_allowed(request: Request) -> Response {
+    let text = format!(
+        "{} cannot be sent here: the panel can look and not touch",
+        request.method()
+    );
+    problem(StatusCode::METHOD_NOT_ALLOWED, &text)
+}
+
+/// A page of another origin must not read the panel through a name that it points to this machine, nor frame it.
+async fn guard(request: Request, next: Next) -> Response {
     let host = request
         .headers()
         .get(header::HOST)
         .and_then(|host| host.to_str().ok());
-    if host.is_some_and(is_local_name) {
+    let mut response = if host.is_some_and(is_local_name) {
         next.run(request).await
     } else {
         problem(
             StatusCode::FORBIDDEN,
             "the panel answers to loopback names only",
         )
+    };
+    for (name, value) in [
+        (header::CONTENT_SECURITY_POLICY, CONTENT_POLICY),
+        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+        (header::CACHE_CONTROL, "no-store"),
+    ] {
+        let _previous = response
+            .headers_mut()
+            .insert(name, HeaderValue::from_static(value));
     }
+    response
 }
 
 fn is_local_name(host: &str) -> bool {
