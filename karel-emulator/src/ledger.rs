@@ -126,7 +126,8 @@ pub struct LedgerEntry {
     pub request_id: Option<String>,
     /// Why the motion was refused or cancelled.
     pub alarm: Option<String>,
-    /// From the start to this moment; for `started`, the planned duration at the present override.
+    /// From the start to this moment; for `started`, the planned duration at the present override,
+    /// `None` if that is 0.
     pub duration_s: Option<f64>,
 }
 

@@ -86,6 +86,22 @@ impl VirtualController {
             .ok_or(ControllerStopped)
     }
 
+    /// Why a port that a program wants cannot be opened. Waits until that happens.
+    ///
+    /// The program sees a failed `MSG_CONNECT` and may try again. A port of the port map cannot fail so: it is
+    /// reserved at the start.
+    ///
+    /// # Errors
+    /// The controller stopped.
+    pub async fn port_failure(&self) -> Result<String, ControllerStopped> {
+        let mut failure = self.lines.port_failure.clone();
+        let reason = failure.wait_for(Option::is_some).await;
+        reason
+            .ok()
+            .and_then(|reason| reason.clone())
+            .ok_or(ControllerStopped)
+    }
+
     /// Where the panel is.
     #[must_use]
     pub fn panel_address(&self) -> Option<SocketAddr> {

@@ -112,6 +112,19 @@ fn a_port_in_use_is_one_sentence_that_names_the_port() {
 }
 
 #[test]
+fn a_port_in_use_that_only_the_program_names_ends_the_run_with_one_sentence() {
+    let taken = std::net::TcpListener::bind("127.0.0.1:0").expect("a free port");
+    let port = taken.local_addr().expect("it is bound").port().to_string();
+    let program = std::fs::read_to_string(SERVER).expect("it is in the repository");
+    let program = source(&program.replace("listen_port = 59002", &format!("listen_port = {port}")));
+    let path = program.path().to_str().expect("a plain path");
+    let (code, text) = run(&["run", path, "--panel", "off", "--log", "error"]);
+    assert_eq!(code, Some(2), "{text}");
+    assert_eq!(text.trim_end().lines().count(), 1, "{text}");
+    assert!(text.contains(&port) && text.contains("in use"), "{text}");
+}
+
+#[test]
 fn run_serves_until_it_is_terminated() {
     let mut child = emulator(&[
         "run",

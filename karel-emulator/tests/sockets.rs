@@ -66,28 +66,6 @@ async fn a_reply_survives_bytes_that_the_program_did_not_read() {
 }
 
 #[tokio::test]
-async fn a_peer_that_goes_away_in_the_middle_of_a_line_harms_nobody() {
-    let cell = Stepped::start(&sock_server());
-    let address = cell.address().await;
-    for cut in [0, 1, 7, 20, LINE.len() - 1] {
-        let mut stream = TcpStream::connect(address).await.unwrap();
-        stream.write_all(&LINE[..cut]).await.unwrap();
-        drop(stream);
-    }
-    assert_eq!(call(address, LINE).await, ACCEPTED);
-    assert_eq!(cell.events().await.len(), 1, "a cut line moves nothing");
-}
-
-#[tokio::test]
-async fn a_half_closed_peer_still_reads_its_answer() {
-    let cell = Stepped::start(&sock_server());
-    let mut stream = TcpStream::connect(cell.address().await).await.unwrap();
-    stream.write_all(b"600000 200000").await.unwrap();
-    stream.shutdown().await.unwrap();
-    assert_eq!(read_to_end(&mut stream).await, INCORRECT);
-}
-
-#[tokio::test]
 async fn a_line_may_be_split_at_every_byte() {
     let cell = Stepped::start(&sock_server());
     let address = cell.address().await;

@@ -41,6 +41,9 @@ pub(crate) fn lex(source: &Source, reports: &mut Reports) -> Vec<Token> {
 /// What some editors put in front of a text.
 const UTF8_MARK: &[u8] = b"\xEF\xBB\xBF";
 
+/// More than any controller takes.
+const MAX_NAME: usize = 128;
+
 struct Lexer<'a> {
     bytes: &'a [u8],
     offset: usize,
@@ -195,7 +198,7 @@ impl Lexer<'_> {
         }
         let word = self.bytes.get(start..self.offset).unwrap_or_default();
         let Some(keyword) = Keyword::find(word) else {
-            return self.push(TokenKind::Name, start);
+            return self.name(start);
         };
         if self.depth > 0 && keyword.is_structural() {
             self.depth = 0;
@@ -214,6 +217,20 @@ impl Lexer<'_> {
             }
         }
         self.push(TokenKind::Keyword(keyword), start);
+    }
+
+    fn name(&mut self, start: usize) {
+        let end = self.offset.min(start + MAX_NAME);
+        let span = Span::new(start, end);
+        if end < self.offset {
+            let message = format!("a name has at most {MAX_NAME} characters");
+            self.reports.error(span, message);
+        }
+        // Cut, so that no later message repeats all of it.
+        self.tokens.push(Token {
+            kind: TokenKind::Name,
+            span,
+        });
     }
 
     /// `12`, `1.5`, `1.`, `.5`, `1E-3`; the `1` of `1..5` stays alone.

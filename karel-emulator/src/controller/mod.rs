@@ -234,7 +234,7 @@ impl Controller {
         for task in &mut self.tasks {
             let due = match &task.phase {
                 Phase::Waiting(Wait::Until(time)) => *time <= now,
-                Phase::Resting => task.period + SHARE_PERIOD <= now,
+                Phase::Resting => task.period.saturating_add(SHARE_PERIOD) <= now,
                 Phase::Ready | Phase::Waiting(_) | Phase::Over => false,
             };
             if due {
@@ -256,7 +256,7 @@ impl Controller {
         if !matches!(task.phase, Phase::Ready) {
             return false;
         }
-        if task.period + SHARE_PERIOD <= now {
+        if task.period.saturating_add(SHARE_PERIOD) <= now {
             task.period = now;
             task.share = self.limits.instructions_per_ms;
         }

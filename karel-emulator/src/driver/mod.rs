@@ -23,7 +23,7 @@ use crate::error::StartError;
 use crate::labels::PeerLabels;
 use crate::ledger::LedgerEntry;
 use crate::state::State;
-use net::{Addresses, Net};
+use net::{Addresses, Net, News};
 
 /// Moments of controller time handled before others get their turn.
 const MOMENTS_A_TURN: usize = 4;
@@ -68,6 +68,7 @@ pub(crate) struct Driver {
 pub(crate) struct Lines {
     pub(crate) commands: mpsc::Sender<Command>,
     pub(crate) addresses: watch::Receiver<Addresses>,
+    pub(crate) port_failure: watch::Receiver<Option<String>>,
     pub(crate) state: watch::Receiver<State>,
 }
 
@@ -83,8 +84,13 @@ impl Driver {
         let core = Controller::try_new(config)?;
         let (command_sender, commands) = mpsc::channel(COMMAND_QUEUE);
         let (address_sender, addresses) = watch::channel(BTreeMap::new());
+        let (failure_sender, port_failure) = watch::channel(None);
+        let news = News {
+            addresses: address_sender,
+            port_failure: failure_sender,
+        };
         let (state, state_receiver) = watch::channel(core.state());
-        let net = Net::start(config, labels, address_sender, tracker, stop.clone())?;
+        let net = Net::start(config, labels, news, tracker, stop.clone())?;
         let driver = Self {
             core,
             net,
@@ -98,6 +104,7 @@ impl Driver {
             Lines {
                 commands: command_sender,
                 addresses,
+                port_failure,
                 state: state_receiver,
             },
         ))

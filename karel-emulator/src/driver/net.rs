@@ -25,6 +25,14 @@ const BACKLOG: u32 = 16;
 /// Where the ports of the program are on this machine, once they have been open.
 pub(crate) type Addresses = BTreeMap<u16, SocketAddr>;
 
+/// What the handle learns about ports.
+#[derive(Debug)]
+pub(super) struct News {
+    pub(super) addresses: watch::Sender<Addresses>,
+    /// The last port that this machine did not give.
+    pub(super) port_failure: watch::Sender<Option<String>>,
+}
+
 /// Listeners and connections.
 #[derive(Debug)]
 pub(super) struct Net {
@@ -39,6 +47,7 @@ pub(super) struct Net {
     /// Events that came from effects.
     events: VecDeque<Event>,
     addresses: watch::Sender<Addresses>,
+    port_failure: watch::Sender<Option<String>>,
     labels: PeerLabels,
     lingering: Arc<Semaphore>,
     tracker: TaskTracker,
@@ -56,7 +65,7 @@ impl Net {
     pub(super) fn start(
         config: &ControllerConfig,
         labels: PeerLabels,
-        addresses: watch::Sender<Addresses>,
+        news: News,
         tracker: TaskTracker,
         stop: CancellationToken,
     ) -> Result<Self, StartError> {
@@ -78,7 +87,8 @@ impl Net {
             connections: BTreeMap::new(),
             last_connection: 0,
             events: VecDeque::new(),
-            addresses,
+            addresses: news.addresses,
+            port_failure: news.port_failure,
             labels,
             lingering: Arc::new(Semaphore::new(config.limits.lingering_connections)),
             tracker,
@@ -198,7 +208,9 @@ impl Net {
             SecondClient::Refuse => 1,
         };
         let address = port.open(backlog).map_err(|error| {
-            format!("Port {} for {tag} cannot be opened: {error}", port.number())
+            let reason = format!("Port {} for {tag} cannot be opened: {error}", port.number());
+            let _previous = self.port_failure.send_replace(Some(reason.clone()));
+            reason
         })?;
         let _previous = self.tags.insert(
             tag,

@@ -8,6 +8,13 @@ use std::net::{IpAddr, SocketAddr};
 
 use tokio::net::{TcpListener, TcpSocket};
 
+/// Whether the port may be shared with sockets that do not listen.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Reuse {
+    Refused,
+    Permitted,
+}
+
 /// A port and its door.
 #[derive(Debug)]
 pub(super) struct Port {
@@ -44,24 +51,39 @@ impl Port {
     /// Makes the port ours.
     pub(super) fn reserve(&mut self) -> io::Result<()> {
         if matches!(self.door, Door::Unbound) {
-            let socket = match self.ip {
-                IpAddr::V4(_) => TcpSocket::new_v4(),
-                IpAddr::V6(_) => TcpSocket::new_v6(),
+            // Two sockets that both permit reuse can be bound to one port until one of them listens. So the first
+            // try permits none. It fails also for connections of a moment ago, in TIME_WAIT, which harm nobody.
+            let socket = match self.bind(Reuse::Refused) {
+                Err(error) if error.kind() == io::ErrorKind::AddrInUse => {
+                    self.bind(Reuse::Permitted)
+                }
+                bound => bound,
             }?;
-            // Connections of a moment ago keep the port in TIME_WAIT; the next client need not wait for them.
-            socket.set_reuseaddr(true)?;
-            socket.bind(SocketAddr::new(self.ip, self.number))?;
             self.number = socket.local_addr()?.port();
             self.door = Door::Reserved(socket);
         }
         Ok(())
     }
 
+    fn bind(&self, reuse: Reuse) -> io::Result<TcpSocket> {
+        let socket = match self.ip {
+            IpAddr::V4(_) => TcpSocket::new_v4(),
+            IpAddr::V6(_) => TcpSocket::new_v6(),
+        }?;
+        socket.set_reuseaddr(reuse == Reuse::Permitted)?;
+        socket.bind(SocketAddr::new(self.ip, self.number))?;
+        Ok(socket)
+    }
+
     /// Lets clients in. Its address.
     pub(super) fn open(&mut self, backlog: u32) -> io::Result<SocketAddr> {
         self.reserve()?;
         match std::mem::replace(&mut self.door, Door::Unbound) {
-            Door::Reserved(socket) => self.door = Door::Open(socket.listen(backlog)?),
+            Door::Reserved(socket) => {
+                // Its connections inherit this, and must not keep the port from the next controller.
+                socket.set_reuseaddr(true)?;
+                self.door = Door::Open(socket.listen(backlog)?);
+            }
             other @ (Door::Open(_) | Door::Unbound) => self.door = other,
         }
         Ok(SocketAddr::new(self.ip, self.number))

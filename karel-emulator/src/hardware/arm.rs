@@ -176,7 +176,8 @@ impl Hardware {
         };
         let mut entry = self.entry(LedgerEvent::Started, tag, path.from());
         entry.to_deg = Some(path.to().degrees().into());
-        entry.duration_s = Some(to_micros(path.duration() / rate));
+        let duration_s = (rate > 0.0).then(|| to_micros(path.duration() / rate));
+        entry.duration_s = duration_s;
         tracing::info!(
             controller = %self.name,
             motion = tag.id.0,
@@ -184,8 +185,9 @@ impl Hardware {
             peer = tag.origin.peer.map(tracing::field::display),
             speed_mm_s = tag.speed_mm_s,
             override_percent = self.override_percent,
-            "The arm starts motion {} to {}, which takes {:.3} s.",
-            tag.id.0, tag.target, path.duration() / rate,
+            duration_s,
+            "The arm starts motion {} to {}.",
+            tag.id.0, tag.target,
         );
         self.ledger.push(entry);
         // The queue has moved up, or the motion went past it.

@@ -150,11 +150,12 @@ impl<T> Executor<T> {
         Added::Started
     }
 
-    /// When the running motion ends, at the present override.
+    /// When the running motion ends, at the present override. Never, at an override of 0.
     #[must_use]
     pub fn next_end(&self) -> Option<Duration> {
         let running = self.running.as_ref()?;
         let (since, seconds) = match running.phase {
+            Phase::Traveling { .. } if self.rate <= 0.0 => return None,
             Phase::Traveling { since, path_s } => {
                 (since, (running.motion.path.duration() - path_s) / self.rate)
             }
@@ -191,7 +192,7 @@ impl<T> Executor<T> {
         Some((end, started))
     }
 
-    /// Changes the override to `rate` (0 to 1, not 0) at `now`, in the middle of a motion if there is one.
+    /// Changes the override to `rate` (0 to 1) at `now`, in the middle of a motion if there is one.
     pub fn set_rate(&mut self, now: Duration, rate: f64) {
         if let Some(running) = &mut self.running
             && let Phase::Traveling { since, path_s } = running.phase

@@ -57,18 +57,17 @@ pub(super) async fn serve(
         let _task = tracker.spawn(async move {
             let mut connection = std::pin::pin!(connection);
             let whole = timeout(LIFE, stop.run_until_cancelled(connection.as_mut()));
-            let ended = match whole.await {
-                Ok(Some(ended)) => Ok(ended),
+            let ended = if let Ok(Some(ended)) = whole.await {
+                Ok(ended)
+            } else {
                 // Its time is over, or the controller's: the answer under way is the last one.
-                Ok(None) | Err(_) => {
-                    connection.as_mut().graceful_shutdown();
-                    timeout(FAREWELL, connection).await
-                }
+                connection.as_mut().graceful_shutdown();
+                timeout(FAREWELL, connection).await
             };
             match ended {
                 Ok(Ok(())) => {}
                 Ok(Err(error)) => {
-                    tracing::debug!(%peer, %error, "A client of the panel broke off.")
+                    tracing::debug!(%peer, %error, "A client of the panel broke off.");
                 }
                 Err(_) => tracing::debug!(%peer, "A client of the panel took no answer."),
             }

@@ -298,12 +298,12 @@ mod tests {
     }
 
     #[test]
-    fn the_override_is_one_to_a_hundred_percent() {
+    fn the_override_is_zero_to_a_hundred_percent() {
         let mut v = SystemVariables::new();
-        for percent in [1, 25, 100] {
+        for percent in [0, 25, 100] {
             set(&mut v, "$MCR.$GENOVERRIDE", Value::Integer(percent)).unwrap();
         }
-        for percent in [0, 101, -5] {
+        for percent in [101, -5] {
             let refused = set(&mut v, "$MCR.$GENOVERRIDE", Value::Integer(percent));
             assert_eq!(refused, Err(VARS_RANGE));
         }

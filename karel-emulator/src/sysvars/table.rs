@@ -132,7 +132,8 @@ impl Table {
     }
 
     fn rest(&mut self) {
-        self.integer("$MCR.$GENOVERRIDE", Kind::Integer { min: 1, max: 100 }, 100);
+        // ASSUMPTION: 0 is legal and holds the arm where it is.
+        self.integer("$MCR.$GENOVERRIDE", Kind::Integer { min: 0, max: 100 }, 100);
         self.stored("$DMAURST", Kind::Boolean, Value::Boolean(false));
         self.integer("$JCR_GRP[1].$JOG_COORD", ANY, 0);
         self.integer("$SCAN_TIME", Kind::Integer { min: 1, max: 4096 }, 32);

@@ -53,21 +53,8 @@ impl Checker<'_> {
             return None;
         };
         let place = self.place(path)?;
-        match &place.ty {
-            Type::Integer | Type::Real | Type::Boolean | Type::Text(_) => {
-                Some(ReadItem::Value { place, formats })
-            }
-            Type::Error => None,
-            ty @ (Type::File
-            | Type::Config
-            | Type::Position(_)
-            | Type::Array(_)
-            | Type::Structure(_)) => {
-                self.reports
-                    .error(value.span, format!("READ of {ty} is not supported yet"));
-                None
-            }
-        }
+        self.expect_transferable("READ", &place.ty, value.span)?;
+        Some(ReadItem::Value { place, formats })
     }
 
     pub(super) fn write(&mut self, file: Option<&Path>, items: &[Item]) -> Option<StmtKind> {
@@ -88,18 +75,18 @@ impl Checker<'_> {
             return Some(WriteItem::LineEnd);
         };
         let value = self.expr(written);
-        match &value.ty {
-            Type::Integer | Type::Real | Type::Boolean | Type::Text(_) => {
-                Some(WriteItem::Value { value, formats })
-            }
+        self.expect_transferable("WRITE", &value.ty, written.span)?;
+        Some(WriteItem::Value { value, formats })
+    }
+
+    /// Whether values of this type have a text form.
+    fn expect_transferable(&mut self, statement: &str, ty: &Type, span: Span) -> Option<()> {
+        match ty {
+            Type::Integer | Type::Real | Type::Boolean | Type::Text(_) => Some(()),
             Type::Error => None,
-            ty @ (Type::File
-            | Type::Config
-            | Type::Position(_)
-            | Type::Array(_)
-            | Type::Structure(_)) => {
-                self.reports
-                    .error(written.span, format!("WRITE of {ty} is not supported yet"));
+            Type::File | Type::Config | Type::Position(_) | Type::Array(_) | Type::Structure(_) => {
+                let message = format!("{statement} of {ty} is not supported yet");
+                self.reports.error(span, message);
                 None
             }
         }

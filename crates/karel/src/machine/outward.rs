@@ -104,7 +104,8 @@ impl Exec<'_> {
                 "DELAY of {milliseconds} ms, less than 0"
             )));
         };
-        let until = self.host.now() + std::time::Duration::from_millis(milliseconds);
+        let pause = std::time::Duration::from_millis(milliseconds);
+        let until = self.host.now().saturating_add(pause);
         self.task.pending = Pending::Until(until);
         Ok(Flow::Blocked(Wait::Until(until)))
     }

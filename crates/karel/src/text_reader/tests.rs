@@ -289,7 +289,11 @@ mod laws {
         fn each_token_is_one_item_whatever_stands_before_it(
             tokens in proptest::collection::vec(("[0-9a-z.-]{1,4}", prop_oneof![Just(' '), Just(','), Just('\n'), Just('\t')]), 1..8),
         ) {
-            let message: String = tokens.iter().map(|(token, end)| format!("{token}{end}")).collect();
+            let mut message = String::new();
+            for (token, end) in &tokens {
+                message.push_str(token);
+                message.push(*end);
+            }
             let alone = |(token, _): &(String, char)| {
                 parse(token.as_bytes(), INTEGER.kind).map_or(ILLEGAL, ReadResult::Value)
             };

@@ -216,3 +216,62 @@ fn the_deepest_legal_nesting_translates_and_runs() {
     let sum = format!("1{}", " + 1".repeat(190));
     exercise(format!("PROGRAM x\nBEGIN\n{open}{close}WRITE ({parens}, {sum})\nEND x\n").as_bytes());
 }
+
+/// A main body around `statements`.
+fn main_body(statements: &str) -> String {
+    format!("PROGRAM x\nVAR i: INTEGER\n b: BOOLEAN\nBEGIN\n i = 1\n{statements}\nEND x\n")
+}
+
+#[test]
+fn ten_thousand_levels_of_anything_are_an_error_and_not_a_stack_overflow() {
+    let many = |text: &str| text.repeat(10_000);
+    for statements in [
+        format!("i = {}1{}", many("("), many(")")),
+        format!("i = {}", many("(")),
+        format!("i = {}1", many("- ")),
+        format!("i = {}1", many("1 + ")),
+        format!("b = {}TRUE", many("NOT ")),
+        format!("i = a{}1{}", many("["), many("]")),
+        format!("i = a{}", many(".x")),
+        format!("{}{}", many("IF b THEN\n"), many("ENDIF\n")),
+        many("IF b THEN\n"),
+        format!("{}{}", many("WHILE b DO\n"), many("ENDWHILE\n")),
+        format!("{}{}", many("FOR i = 1 TO 2 DO\n"), many("ENDFOR\n")),
+        format!("{}{}", many("REPEAT\n"), many("UNTIL b\n")),
+        format!("{}{}", many("SELECT i OF\nCASE(1):\n"), many("ENDSELECT\n")),
+    ] {
+        let source = main_body(&statements);
+        let refused = Program::parse_and_check(source.as_bytes(), "x.kl");
+        assert!(refused.is_err(), "{}", &statements[..40]);
+    }
+}
+
+#[test]
+fn a_megabyte_of_anything_is_handled_and_its_messages_stay_short() {
+    let size = 1 << 20;
+    let long_name = format!("PROGRAM {}\nBEGIN\nEND x\n", "a".repeat(size - 100));
+    let long_text = main_body(&format!("WRITE ('{}')", "x".repeat(size - 200)));
+    for source in [
+        vec![0; size],
+        vec![0xFF; size],
+        vec![b'\''; size],
+        vec![b'('; size],
+        vec![b'9'; size],
+        "i = = 1\n".repeat(size / 8).into_bytes(),
+        long_name.into_bytes(),
+        long_text.into_bytes(),
+    ] {
+        let diagnostics = Program::parse_and_check(&source, "x.kl").unwrap_err();
+        let shown = karel::render(&diagnostics);
+        assert!(shown.len() < 64 * 1024, "{} bytes of messages", shown.len());
+    }
+    let longest = main_body(&"i = i + 1\n".repeat((size - 200) / 10));
+    assert!(Program::parse_and_check(longest.as_bytes(), "x.kl").is_ok());
+}
+
+#[test]
+fn a_nul_byte_is_not_source_text() {
+    let source = main_body("i = \0 2");
+    let refused = Program::parse_and_check(source.as_bytes(), "x.kl").unwrap_err();
+    assert!(refused[0].message.contains("0x00"), "{}", refused[0]);
+}

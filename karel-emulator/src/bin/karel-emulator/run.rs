@@ -133,12 +133,16 @@ async fn serve(config: &ControllerConfig, clock: Clock) -> anyhow::Result<()> {
     if let Some(address) = controller.panel_address() {
         tracing::info!("The panel is at http://{address}/.");
     }
-    tokio::select! {
-        _ = interrupt.recv() => {}
-        _ = terminate.recv() => {}
-    }
+    let ended = tokio::select! {
+        _ = interrupt.recv() => Ok(()),
+        _ = terminate.recv() => Ok(()),
+        // Nobody could connect: whoever started this wants to know, and not a program that tries for ever.
+        Ok(reason) = controller.port_failure() => Err(anyhow!(
+            "{reason}. Is another controller running? --port-map chooses another port"
+        )),
+    };
     controller.shutdown().await;
-    Ok(())
+    ended
 }
 
 fn parse_port_map(text: &str) -> Result<(u16, u16), String> {
