@@ -109,6 +109,45 @@ async fn a_port_that_the_program_chose_and_that_is_taken_is_reported_to_whoever_
     assert!(reason.contains(&port.to_string()), "{reason}");
 }
 
+/// One task waits for clients on one port after the other, another one keeps ending its waits.
+const RESTLESS: [&str; 2] = [
+    "PROGRAM restless
+VAR n, s, port : INTEGER
+BEGIN
+  FOR port = 20001 TO 20300 DO
+    SET_VAR(n, '*SYSTEM*', '$HOSTS_CFG[3].$SERVER_PORT', port, s)
+    MSG_CONNECT('S3:', s)
+  ENDFOR
+  WRITE (s, CR)
+END restless
+",
+    "PROGRAM spoiler
+VAR s : INTEGER
+BEGIN
+  WHILE TRUE DO
+    DELAY 10
+    MSG_DISCO('S3:', s)
+  ENDWHILE
+END spoiler
+",
+];
+
+#[tokio::test]
+async fn a_tag_that_another_task_disconnects_ends_the_wait_and_no_port_is_kept() {
+    let mut config = config_of(RESTLESS[0], &[])
+        .with_program(karel_emulator::ProgramSource::new("b.kl", RESTLESS[1]));
+    config.run = vec!["restless".to_owned(), "spoiler".to_owned()];
+    let open_files = || std::fs::read_dir("/proc/self/fd").map_or(0, Iterator::count);
+    let before = open_files();
+    let cell = Stepped::start(&config);
+    cell.advance(10.0).await;
+    assert_eq!(cell.task_word().await, TaskWord::Ended);
+    let screen = cell.controller.screen().await.unwrap();
+    assert_eq!(screen, [" 67144"], "HOST-144");
+    // Other tests of this process open some, too.
+    assert!(open_files() < before + 250, "{} files", open_files());
+}
+
 #[tokio::test]
 async fn a_program_that_writes_for_ever_to_a_deaf_client_waits() {
     let mut config =

@@ -1,6 +1,6 @@
 //! The sockets of one controller, all polled by one task.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::io;
 use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
@@ -40,6 +40,8 @@ pub(super) struct Net {
     second_client: SecondClient,
     /// By the port as the program names it.
     ports: BTreeMap<u16, Port>,
+    /// The ports of the port map, reserved from start to end.
+    mapped: BTreeSet<u16>,
     /// The port each tag was opened on last, and whether a program waits for a client there.
     tags: BTreeMap<Tag, TagPort>,
     connections: BTreeMap<ConnectionId, Live>,
@@ -82,6 +84,7 @@ impl Net {
         Ok(Self {
             ip: config.ip,
             second_client: config.second_client,
+            mapped: ports.keys().copied().collect(),
             ports,
             tags: BTreeMap::new(),
             connections: BTreeMap::new(),
@@ -112,10 +115,7 @@ impl Net {
                     self.close_port(tag);
                 }
             }
-            Effect::StopListening { tag } => {
-                self.close_port(tag);
-                let _gone = self.tags.remove(&tag);
-            }
+            Effect::StopListening { tag } => self.leave_port(tag),
             Effect::Send { connection, bytes } => {
                 if let Some(live) = self.connections.get_mut(&connection) {
                     live.queue(bytes);
@@ -191,7 +191,7 @@ impl Net {
             .get(&tag)
             .is_some_and(|open| open.port != program_port)
         {
-            self.close_port(tag);
+            self.leave_port(tag);
         }
         let other = self.tags.iter().find(|(other, open)| {
             **other != tag && open.port == program_port && (open.accepting || self.is_open(**other))
@@ -268,6 +268,16 @@ impl Net {
                 let reason = format!("Accepting a client on {tag} failed: {error}");
                 Event::ListenFailed { tag, reason }
             }
+        }
+    }
+
+    /// Closes the port of a tag that needs it no more. Only mapped ports stay reserved: a program could name many.
+    fn leave_port(&mut self, tag: Tag) {
+        self.close_port(tag);
+        if let Some(TagPort { port, .. }) = self.tags.remove(&tag)
+            && !self.mapped.contains(&port)
+        {
+            let _closed = self.ports.remove(&port);
         }
     }
 

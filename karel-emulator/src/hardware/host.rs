@@ -20,8 +20,8 @@ impl Host for Hardware {
         self.connect(task, tag)
     }
 
-    fn msg_disco(&mut self, _task: TaskId, tag: &str) -> Status {
-        self.disconnect(tag)
+    fn msg_disco(&mut self, task: TaskId, tag: &str) -> Status {
+        self.disconnect(task, tag)
     }
 
     fn open_file(&mut self, task: TaskId, mode: OpenMode, name: &str) -> Result<FileId, Status> {

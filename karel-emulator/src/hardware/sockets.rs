@@ -73,12 +73,23 @@ impl Hardware {
             .ok_or(Status::HOST_TAG)
     }
 
-    /// `MSG_DISCO`: harmless on an idle tag.
-    pub(super) fn disconnect(&mut self, name: &str) -> Status {
-        let Some(slot) = Tag::parse(name).and_then(|tag| self.slot(tag)) else {
+    /// `MSG_DISCO`: harmless on an idle tag. If another task waits for a client there, its wait fails.
+    pub(super) fn disconnect(&mut self, task: TaskId, name: &str) -> Status {
+        let Some(tag) = Tag::parse(name) else {
             return Status::HOST_TAG;
         };
+        let Some(slot) = self.slot(tag) else {
+            return Status::HOST_TAG;
+        };
+        let another_waits = matches!(slot.state, TagState::Waiting | TagState::Accepted(_))
+            && slot.task != Some(task);
         let effect = slot.disconnect();
+        if another_waits {
+            slot.state = TagState::Failed(format!(
+                "{tag} was disconnected by another task while a program waited for a client"
+            ));
+            self.wakes.push(Wake::Connect(tag));
+        }
         self.effects.extend(effect);
         Status::OK
     }
@@ -98,7 +109,8 @@ impl Hardware {
         if self.files.len() >= OPEN_FILES {
             return Err(Status::INTP_LIMIT);
         }
-        self.last_file += 1;
+        // Four thousand million files later, the first one is long closed.
+        self.last_file = self.last_file.wrapping_add(1);
         let file = FileId(self.last_file);
         let open = OpenFile {
             connection,
