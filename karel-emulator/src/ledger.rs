@@ -49,6 +49,19 @@ pub struct PoseMmDeg {
     pub r_deg: f64,
 }
 
+impl From<[f64; 6]> for PoseMmDeg {
+    fn from([x_mm, y_mm, z_mm, w_deg, p_deg, r_deg]: [f64; 6]) -> Self {
+        Self {
+            x_mm,
+            y_mm,
+            z_mm,
+            w_deg,
+            p_deg,
+            r_deg,
+        }
+    }
+}
+
 /// `(600.000, 200.000, 600.000, -180.000, 30.000, 0.000)`, in the pendant's order and units.
 impl std::fmt::Display for PoseMmDeg {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -205,14 +218,7 @@ mod tests {
             kind: MotionKind::Joint,
             from_deg: [0.0; 6].into(),
             to_deg: None,
-            target_pose: PoseMmDeg {
-                x_mm: 0.0,
-                y_mm: 0.0,
-                z_mm: 0.0,
-                w_deg: 0.0,
-                p_deg: 0.0,
-                r_deg: 0.0,
-            },
+            target_pose: PoseMmDeg::default(),
             speed_mm_s: 300.0,
             override_percent: 25,
             program: "SOCKSERVER".to_owned(),
@@ -238,14 +244,7 @@ mod tests {
 
     #[test]
     fn a_pose_reads_as_on_the_pendant() {
-        let pose = PoseMmDeg {
-            x_mm: 600.0,
-            y_mm: 200.0,
-            z_mm: 600.0,
-            w_deg: -180.0,
-            p_deg: 30.0,
-            r_deg: 0.000_04,
-        };
+        let pose = PoseMmDeg::from([600.0, 200.0, 600.0, -180.0, 30.0, 0.000_04]);
         assert_eq!(
             pose.to_string(),
             "(600.000, 200.000, 600.000, -180.000, 30.000, 0.000)"

@@ -139,15 +139,7 @@ impl Planner {
         let tcp = frames
             .tcp_in_user_frame(&self.model.forward(joints))
             .xyzwpr();
-        let [x_mm, y_mm, z_mm, w_deg, p_deg, r_deg] = components(&tcp);
-        Some(PoseMmDeg {
-            x_mm,
-            y_mm,
-            z_mm,
-            w_deg,
-            p_deg,
-            r_deg,
-        })
+        Some(components(&tcp).into())
     }
 }
 
@@ -157,15 +149,7 @@ pub fn pose_of_target(target: &XyzwprExt) -> PoseMmDeg {
     let XyzwprExt {
         x, y, z, w, p, r, ..
     } = *target;
-    let [x_mm, y_mm, z_mm, w_deg, p_deg, r_deg] = [x, y, z, w, p, r].map(f64::from);
-    PoseMmDeg {
-        x_mm,
-        y_mm,
-        z_mm,
-        w_deg,
-        p_deg,
-        r_deg,
-    }
+    [x, y, z, w, p, r].map(f64::from).into()
 }
 
 fn ik_refusal(error: &IkError) -> Refusal {

@@ -8,6 +8,7 @@ mod place;
 mod scope;
 mod stmt;
 mod transfer;
+mod written_type;
 
 use std::collections::HashMap;
 

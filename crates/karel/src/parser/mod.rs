@@ -4,6 +4,7 @@
 //! statement separator and goes on, so that one run reports as much as possible. Nesting is
 //! limited, so no input can exhaust the stack.
 
+mod control;
 mod decl;
 mod expr;
 mod io;

@@ -1,0 +1,212 @@
+//! Types as a program writes them: names, strings, arrays, structures.
+
+use std::sync::Arc;
+
+use super::{Checker, scope::Symbol};
+use crate::{
+    ast::{Dim, Expr, Name, Param, TypeExpr, TypeKind},
+    typed::Constant,
+    types::{
+        ArrayType, Field, MAX_CELLS, MAX_STRING, MAX_TYPE_DEPTH, PositionKind, StructureType,
+        TextLength, Type,
+    },
+};
+
+/// Types of KAREL that this crate does not run yet.
+const NOT_YET: &[&str] = &[
+    "BYTE",
+    "CAM_SETUP",
+    "COMMON_ASSOC",
+    "GROUP_ASSOC",
+    "JOINTPOS",
+    "JOINTPOS1",
+    "JOINTPOS2",
+    "JOINTPOS3",
+    "JOINTPOS4",
+    "JOINTPOS5",
+    "JOINTPOS6",
+    "JOINTPOS7",
+    "JOINTPOS8",
+    "JOINTPOS9",
+    "MODEL",
+    "PATH",
+    "QUEUE_TYPE",
+    "SHORT",
+    "STD_PTH_NODE",
+    "VECTOR",
+    "VIS_PROCESS",
+];
+
+const BASIC_TYPES: [&str; 8] = [
+    "INTEGER",
+    "REAL",
+    "BOOLEAN",
+    "STRING",
+    "FILE",
+    "POSITION",
+    "XYZWPR",
+    "XYZWPREXT",
+];
+
+impl Checker<'_> {
+    pub(super) fn type_of(&mut self, written: &TypeExpr, declared_as: Option<&str>) -> Type {
+        match &written.kind {
+            TypeKind::Name(name) => self.named_type(name),
+            TypeKind::Text(None) => Type::TEXT,
+            TypeKind::Text(Some(length)) => match self.length(length, MAX_STRING) {
+                Some(length) => Type::Text(TextLength::AtMost(length)),
+                None => Type::Error,
+            },
+            TypeKind::Array { dims, element } => self.array_type(dims, element),
+            TypeKind::Structure(fields) => self.structure_type(fields, declared_as, written),
+        }
+    }
+
+    fn named_type(&mut self, name: &Name) -> Type {
+        if let Some(Symbol::Type(ty)) = self.find_symbol(&name.text) {
+            return ty.clone();
+        }
+        match name.text.as_str() {
+            "INTEGER" => Type::Integer,
+            "REAL" => Type::Real,
+            "BOOLEAN" => Type::Boolean,
+            "FILE" => Type::File,
+            "CONFIG" => Type::Config,
+            "POSITION" => Type::Position(PositionKind::Position),
+            "XYZWPR" => Type::Position(PositionKind::Xyzwpr),
+            "XYZWPREXT" => Type::Position(PositionKind::XyzwprExt),
+            text if NOT_YET.contains(&text) => {
+                self.reports
+                    .error(name.span, format!("the type {text} is not supported yet"));
+                Type::Error
+            }
+            text => {
+                self.report_unknown(name, &format!("there is no type `{text}`"), &BASIC_TYPES);
+                Type::Error
+            }
+        }
+    }
+
+    fn array_type(&mut self, dims: &[Dim], element: &TypeExpr) -> Type {
+        let element_type = self.type_of(element, None);
+        self.refuse_open(&element_type, element);
+        let mut lengths = Vec::new();
+        for dim in dims {
+            match dim {
+                Dim::Length(length) => match self.length(length, MAX_CELLS as usize) {
+                    Some(length) => lengths.push(length),
+                    None => return Type::Error,
+                },
+                Dim::Open(_) if dims.len() == 1 => {}
+                Dim::Open(span) => {
+                    let message = "open arrays of several dimensions are not supported yet";
+                    self.reports.error(*span, message);
+                    return Type::Error;
+                }
+            }
+        }
+        let depth = 1 + element_type.depth();
+        let array = ArrayType {
+            dims: lengths,
+            element: element_type,
+            depth,
+        };
+        self.limited(Type::Array(Arc::new(array)), element)
+    }
+
+    fn structure_type(
+        &mut self,
+        written: &[Param],
+        declared_as: Option<&str>,
+        whole: &TypeExpr,
+    ) -> Type {
+        let Some(name) = declared_as else {
+            let message = "a STRUCTURE needs a name of its own, in a TYPE section";
+            self.reports.error(whole.span, message);
+            return Type::Error;
+        };
+        let mut fields: Vec<Field> = Vec::new();
+        let mut size = 0_u32;
+        for group in written {
+            let ty = self.type_of(&group.ty, None);
+            self.refuse_open(&ty, &group.ty);
+            for field in &group.names {
+                if fields.iter().any(|known| known.name == field.text) {
+                    self.reports
+                        .error(field.span, format!("`{}` is declared twice", field.text));
+                }
+                fields.push(Field {
+                    name: field.text.clone(),
+                    ty: ty.clone(),
+                    offset: size,
+                });
+                size = size.saturating_add(ty.size());
+            }
+        }
+        let depth = 1 + fields
+            .iter()
+            .map(|field| field.ty.depth())
+            .max()
+            .unwrap_or(0);
+        let structure = StructureType {
+            name: name.to_owned(),
+            fields,
+            size,
+            depth,
+        };
+        self.limited(Type::Structure(Arc::new(structure)), whole)
+    }
+
+    fn limited(&mut self, ty: Type, written: &TypeExpr) -> Type {
+        let message = if ty.depth() > MAX_TYPE_DEPTH {
+            format!("more than {MAX_TYPE_DEPTH} arrays and structures in each other")
+        } else if ty.size() > MAX_CELLS {
+            format!("a value of this type needs more than {MAX_CELLS} cells of memory")
+        } else {
+            return ty;
+        };
+        self.reports.error(written.span, message);
+        Type::Error
+    }
+
+    /// A length of a string or an array: a constant from 1 to `most`.
+    fn length(&mut self, written: &Expr, most: usize) -> Option<u32> {
+        let constant = self.constant_value(written)?;
+        if let Constant::Integer(value) = constant
+            && let Ok(length) = u32::try_from(value)
+            && (1..=most).contains(&(length as usize))
+        {
+            return Some(length);
+        }
+        self.reports.error(
+            written.span,
+            format!("a length must be an INTEGER from 1 to {most}"),
+        );
+        None
+    }
+
+    /// Strings and arrays without a length are for parameters only.
+    pub(super) fn refuse_open(&mut self, ty: &Type, written: &TypeExpr) {
+        let open = match ty {
+            Type::Text(TextLength::Any) => true,
+            Type::Array(array) => array.dims.is_empty(),
+            Type::Integer
+            | Type::Real
+            | Type::Boolean
+            | Type::Text(_)
+            | Type::File
+            | Type::Config
+            | Type::Position(_)
+            | Type::Structure(_)
+            | Type::Error => false,
+        };
+        if open {
+            let message = format!("{ty} needs a length here");
+            self.reports.error_with_help(
+                written.span,
+                message,
+                "only parameters may leave it open",
+            );
+        }
+    }
+}
