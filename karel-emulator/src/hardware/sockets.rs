@@ -73,7 +73,9 @@ impl Hardware {
             .ok_or(Status::HOST_TAG)
     }
 
-    /// `MSG_DISCO`: harmless on an idle tag. If another task waits for a client there, its wait fails.
+    /// `MSG_DISCO`: harmless on an idle tag.
+    ///
+    /// ASSUMPTION: if another task waits for a client there, its `MSG_CONNECT` fails with HOST-144.
     pub(super) fn disconnect(&mut self, task: TaskId, name: &str) -> Status {
         let Some(tag) = Tag::parse(name) else {
             return Status::HOST_TAG;

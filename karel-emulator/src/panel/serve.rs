@@ -25,7 +25,7 @@ const HEAD_TIME: Duration = Duration::from_secs(10);
 /// How long a connection may live. A browser opens another one; a client that never reads does not keep its place.
 const LIFE: Duration = Duration::from_mins(1);
 /// How long the last answer of a connection may take once its time is over.
-const FAREWELL: Duration = Duration::from_secs(2);
+const FAREWELL: Duration = Duration::from_secs(1);
 
 /// Answers with `router` until `stop`.
 pub(super) async fn serve(
