@@ -8,16 +8,22 @@ use utoipa::ToSchema;
 #[serde(deny_unknown_fields)]
 pub struct LegacyPoint {
     /// X in millimeters.
+    #[schema(minimum = -1_000_000, maximum = 1_000_000)]
     pub x: f64,
     /// Y in millimeters.
+    #[schema(minimum = -1_000_000, maximum = 1_000_000)]
     pub y: f64,
     /// Z in millimeters.
+    #[schema(minimum = -1_000_000, maximum = 1_000_000)]
     pub z: f64,
     /// W in degrees.
+    #[schema(minimum = -36_000, maximum = 36_000)]
     pub w: f64,
     /// P in degrees.
+    #[schema(minimum = -36_000, maximum = 36_000)]
     pub p: f64,
     /// R in degrees.
+    #[schema(minimum = -36_000, maximum = 36_000)]
     pub r: f64,
 }
 

@@ -16,7 +16,7 @@ pub struct MotionBody {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target: Option<TargetBody>,
     /// Programmed speed, 1 to 1999 mm/s, a whole number (the controller's wire format has no fractions).
-    #[schema(minimum = 1, maximum = 1999)]
+    #[schema(minimum = 1, maximum = 1999, multiple_of = 1)]
     pub speed_mm_s: f64,
     /// How long the caller is willing to wait for the controller's answer, in milliseconds.
     /// The robot's configured deadline holds where this is absent.

@@ -6,16 +6,22 @@ use utoipa::ToSchema;
 #[serde(deny_unknown_fields)]
 pub struct PoseBody {
     /// X in millimeters.
+    #[schema(minimum = -1_000_000, maximum = 1_000_000)]
     pub x_mm: f64,
     /// Y in millimeters.
+    #[schema(minimum = -1_000_000, maximum = 1_000_000)]
     pub y_mm: f64,
     /// Z in millimeters.
+    #[schema(minimum = -1_000_000, maximum = 1_000_000)]
     pub z_mm: f64,
     /// W, the rotation about the fixed X axis, in degrees.
+    #[schema(minimum = -36_000, maximum = 36_000)]
     pub w_deg: f64,
     /// P, the rotation about the fixed Y axis, in degrees.
+    #[schema(minimum = -36_000, maximum = 36_000)]
     pub p_deg: f64,
     /// R, the rotation about the fixed Z axis, in degrees.
+    #[schema(minimum = -36_000, maximum = 36_000)]
     pub r_deg: f64,
 }
 
@@ -24,16 +30,22 @@ pub struct PoseBody {
 #[serde(deny_unknown_fields)]
 pub struct JointsBody {
     /// J1 in degrees.
+    #[schema(minimum = -36_000, maximum = 36_000)]
     pub j1_deg: f64,
     /// J2 in degrees.
+    #[schema(minimum = -36_000, maximum = 36_000)]
     pub j2_deg: f64,
     /// J3 in degrees.
+    #[schema(minimum = -36_000, maximum = 36_000)]
     pub j3_deg: f64,
     /// J4 in degrees.
+    #[schema(minimum = -36_000, maximum = 36_000)]
     pub j4_deg: f64,
     /// J5 in degrees.
+    #[schema(minimum = -36_000, maximum = 36_000)]
     pub j5_deg: f64,
     /// J6 in degrees.
+    #[schema(minimum = -36_000, maximum = 36_000)]
     pub j6_deg: f64,
 }
 
