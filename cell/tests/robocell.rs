@@ -207,7 +207,7 @@ fn a_checked_configuration_starts_nothing() {
         .unwrap();
     assert!(process.wait().unwrap().success());
     assert!(
-        said.contains("1 cells, 1 robots, 1 virtual controllers"),
+        said.contains("1 cell, 1 robot, 1 virtual controller;"),
         "{said}"
     );
 }

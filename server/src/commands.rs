@@ -87,6 +87,7 @@ impl Robot {
     }
 
     fn turned(&self, turned: Turned) -> CommandFailure {
+        tracing::info!(robot.id = self.plan.id, reason = ?turned, "the command was turned away and not sent");
         let problem = match turned {
             Turned::Busy => Problem::not_sent(
                 ProblemCode::ControllerBusy,

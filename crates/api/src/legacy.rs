@@ -6,6 +6,7 @@ use utoipa::ToSchema;
 /// An absolute point, millimeters and degrees.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
 #[serde(deny_unknown_fields)]
+#[schema(example = json!({"x": 600, "y": 200, "z": 600, "w": -180, "p": 30, "r": 0}))]
 pub struct LegacyPoint {
     /// X in millimeters.
     #[schema(minimum = -1_000_000, maximum = 1_000_000)]
@@ -30,6 +31,7 @@ pub struct LegacyPoint {
 /// A change to the last accepted point, millimeters and degrees, added to each number.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
 #[serde(deny_unknown_fields)]
+#[schema(example = json!({"dx": 0, "dy": 0, "dz": -50, "dw": 0, "dp": 0, "dr": 0}))]
 pub struct LegacyDelta {
     /// Change of X in millimeters.
     pub dx: f64,

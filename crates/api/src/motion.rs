@@ -8,6 +8,11 @@ use crate::{JointsBody, Outcome, PoseBody, ProblemCode, Tier};
 /// A motion to carry out.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
 #[serde(deny_unknown_fields)]
+#[schema(example = json!({
+    "type": "JOINT",
+    "speed_mm_s": 300,
+    "target": {"pose": {"x_mm": 985, "y_mm": 0, "z_mm": 940, "w_deg": -180, "p_deg": 0, "r_deg": 0}}
+}))]
 pub struct MotionBody {
     /// How the arm gets there.
     #[serde(rename = "type")]
