@@ -242,9 +242,10 @@ fn item_of(path: &str, message: &str) -> String {
 /// The error's text without the position `serde_json` puts behind it, in JSON's words instead of Rust's, and no
 /// longer than a person reads.
 fn message_of(error: &serde_json::Error) -> String {
-    const WORDS: [(&str, &str); 5] = [
+    const WORDS: [(&str, &str); 6] = [
         (": sequence, ", ": array, "),
         (": map, ", ": object, "),
+        (", expected map with", ", expected an object with"),
         (", expected f64", ", expected a number"),
         (", expected u64", ", expected a whole number from 0"),
         (", expected struct ", ", expected an object, "),

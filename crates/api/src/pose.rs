@@ -4,6 +4,7 @@ use utoipa::ToSchema;
 /// A pose: millimeters, and degrees about the fixed X, Y and Z axes, R = Rz(r) · Ry(p) · Rx(w).
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
 #[serde(deny_unknown_fields)]
+#[schema(example = json!({"x_mm": 985, "y_mm": 0, "z_mm": 940, "w_deg": -180, "p_deg": 0, "r_deg": 0}))]
 pub struct PoseBody {
     /// X in millimeters.
     #[schema(minimum = -1_000_000, maximum = 1_000_000)]
@@ -28,6 +29,7 @@ pub struct PoseBody {
 /// Joint values as the teach pendant shows them, in degrees (J3 against the horizontal).
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
 #[serde(deny_unknown_fields)]
+#[schema(example = json!({"j1_deg": 0, "j2_deg": 0, "j3_deg": 0, "j4_deg": 0, "j5_deg": -90, "j6_deg": 0}))]
 pub struct JointsBody {
     /// J1 in degrees.
     #[schema(minimum = -36_000, maximum = 36_000)]

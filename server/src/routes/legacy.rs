@@ -14,11 +14,11 @@ use units::MmPerSec;
 
 use super::legacy_error::LegacyError;
 use super::responses::{AnyProblem, BodyProblem, CrossSite, LinkProblem};
-use crate::commands::Accepted;
+use crate::commands::{Accepted, CommandFailure};
 use crate::extract::read_json;
 use crate::request_id::RequestId;
-use crate::state::{App, shown};
-use crate::target::sent_point;
+use crate::state::{App, Robot, shown};
+use crate::target::{Prepared, Refusal, sent_point};
 use crate::wire_bodies::{legacy_point, point_of_legacy};
 
 const POINT: [&str; 6] = ["x", "y", "z", "w", "p", "r"];
@@ -47,15 +47,8 @@ pub(super) async fn fanuc_move(
     LegacyBody(body): LegacyBody<LegacyPoint>,
 ) -> Result<Json<LegacyMoved>, LegacyError> {
     let robot = &app.legacy;
-    let prepared = robot
-        .plan
-        .prepare_point(&point_of_legacy(&body), speed)
-        .map_err(|refusal| LegacyError::of_refusal(&refusal, &POINT, robot))?;
-    let within = robot.plan.deadline;
-    match robot.carry_out(prepared, request_id, within, None).await {
-        Ok(accepted) => Ok(moved(&accepted)),
-        Err(failure) => Err(LegacyError::of_failure(failure, robot)),
-    }
+    let prepared = robot.plan.prepare_point(&point_of_legacy(&body), speed);
+    send(robot, prepared, request_id).await
 }
 
 /// Moves to the home joints of the arm model.
@@ -76,15 +69,8 @@ pub(super) async fn fanuc_home(
     Velocity(speed): Velocity,
 ) -> Result<Json<LegacyMoved>, LegacyError> {
     let robot = &app.legacy;
-    let prepared = robot
-        .plan
-        .prepare_home(speed)
-        .map_err(|refusal| LegacyError::of_refusal(&refusal, &POINT, robot))?;
-    let within = robot.plan.deadline;
-    match robot.carry_out(prepared, request_id, within, None).await {
-        Ok(accepted) => Ok(moved(&accepted)),
-        Err(failure) => Err(LegacyError::of_failure(failure, robot)),
-    }
+    let prepared = robot.plan.prepare_home(speed);
+    send(robot, prepared, request_id).await
 }
 
 /// Moves relative to the last accepted target, number by number.
@@ -111,10 +97,8 @@ pub(super) async fn fanuc_delta(
 ) -> Result<Json<LegacyMoved>, LegacyError> {
     let robot = &app.legacy;
     let change = [body.dx, body.dy, body.dz, body.dw, body.dp, body.dr];
-    match robot.carry_out_delta(change, speed, request_id).await {
-        Ok(accepted) => Ok(moved(&accepted)),
-        Err(failure) => Err(LegacyError::of_failure(failure, robot)),
-    }
+    let sent = robot.carry_out_delta(change, speed, request_id).await;
+    answer(sent, robot)
 }
 
 /// The server's version.
@@ -126,6 +110,26 @@ pub(super) async fn version() -> Json<LegacyVersion> {
     Json(LegacyVersion {
         version: vec![env!("CARGO_PKG_VERSION").to_owned()],
     })
+}
+
+/// Sends a move that passed the server's checks, or says why it did not.
+async fn send(
+    robot: &Arc<Robot>,
+    prepared: Result<Prepared, Refusal>,
+    request_id: RequestId,
+) -> Result<Json<LegacyMoved>, LegacyError> {
+    let prepared = prepared.map_err(|refusal| LegacyError::of_refusal(&refusal, &POINT, robot))?;
+    let within = robot.plan.deadline;
+    let sent = robot.carry_out(prepared, request_id, within, None).await;
+    answer(sent, robot)
+}
+
+fn answer(
+    sent: Result<Accepted, CommandFailure>,
+    robot: &Robot,
+) -> Result<Json<LegacyMoved>, LegacyError> {
+    sent.map(|accepted| moved(&accepted))
+        .map_err(|failure| LegacyError::of_failure(failure, robot))
 }
 
 fn moved(accepted: &Accepted) -> Json<LegacyMoved> {
