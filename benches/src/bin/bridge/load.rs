@@ -42,19 +42,18 @@ pub(crate) async fn raw_tcp(
     collect(workers, slice).await
 }
 
-/// HTTP: worker `i` sends `path(i)` with `body` on a connection of its own and expects `status`.
+/// HTTP: one connection for each path, each sending `body` and expecting `status`.
 pub(crate) async fn over_http(
     port: u16,
-    path: impl Fn(usize) -> String,
+    paths: Vec<String>,
     body: Option<&'static str>,
     status: u16,
-    connections: usize,
     slice: Duration,
 ) -> Result<Sample> {
     let mut workers = JoinSet::new();
     let mut opened = Vec::new();
-    for worker in 0..connections {
-        opened.push(http::Connection::open(port, &path(worker), body).await?);
+    for path in &paths {
+        opened.push(http::Connection::open(port, path, body).await?);
     }
     let end = Instant::now() + slice;
     for mut connection in opened {

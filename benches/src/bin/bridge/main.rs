@@ -1,4 +1,4 @@
-//! A tier-0 move beside raw TCP and a bare axum route: requests a second, all in one run.
+//! A tier-0 move beside raw TCP, a minimal bridge and a bare axum route: requests a second, all in one run.
 //!
 //! Robot, server and load are processes of their own, as in a plant, and share the machine's cores. Each repeat runs
 //! every variant in turn; the ratios are medians over the repeats, because absolute figures drift.
@@ -6,6 +6,7 @@
 mod bare;
 mod http;
 mod load;
+mod minimal;
 mod processes;
 mod raw;
 mod report;
@@ -50,6 +51,11 @@ enum Role {
     },
     /// A bare axum route.
     Bare,
+    /// The least that can be called a bridge.
+    Minimal {
+        /// The trivial robot's first port.
+        first_port: u16,
+    },
 }
 
 fn main() -> Result<()> {
@@ -62,6 +68,7 @@ fn main() -> Result<()> {
             Some(Role::Robot { ports }) => robot::run(ports).await,
             Some(Role::Served { first_port, robots }) => served::run(first_port, robots).await,
             Some(Role::Bare) => bare::run().await,
+            Some(Role::Minimal { first_port }) => minimal::run(first_port).await,
             None => {
                 let slice = Duration::from_secs_f64(cli.seconds);
                 report::compare(&cli.connections, cli.repeats, slice).await

@@ -7,117 +7,140 @@ use anyhow::Result;
 use crate::load::{self, Sample};
 use crate::processes;
 
-/// The command every request carries: the thesis's home pose.
-const MOVE: &str = r#"{"x":985,"y":0,"z":940,"w":-180,"p":0,"r":0}"#;
+/// The command every request carries: the thesis's home pose, in the words of each route.
+const LEGACY: &str = r#"{"x":985,"y":0,"z":940,"w":-180,"p":0,"r":0}"#;
 const MOTION: &str = r#"{"type":"JOINT","target":{"pose":{"x_mm":985,"y_mm":0,"z_mm":940,"w_deg":-180,"p_deg":0,"r_deg":0}},"speed_mm_s":200}"#;
+const MINIMAL: &str = "[985,0,940,-180,0,0]";
+
+/// How the connections are spread.
+#[derive(Clone, Copy)]
+struct Layout {
+    connections: usize,
+    robots: usize,
+    repeats: usize,
+    slice: Duration,
+}
 
 /// Measures and prints.
 #[expect(clippy::print_stdout, reason = "this is a command-line tool's report")]
 pub(crate) async fn compare(connections: &[usize], repeats: usize, slice: Duration) -> Result<()> {
     println!(
-        "requests a second (p50 / p99 in ms), median of {repeats} repeats of {:.1} s each; ratios are medians of the repeats' ratios",
+        "requests a second (p50 / p99 in ms), medians of {repeats} repeats of {:.1} s; ratios are medians of the repeats' ratios",
         slice.as_secs_f64()
-    );
-    println!(
-        "{:>5} {:>7}  {:>24} {:>24} {:>24} {:>24}  {:>9} {:>9} {:>9}",
-        "conns",
-        "robots",
-        "raw TCP",
-        "POST /fanuc/move",
-        "POST motions",
-        "bare axum",
-        "move/raw",
-        "mot./raw",
-        "move/axum"
     );
     let bare = processes::start(&["bare".to_owned()]).await?;
     for &connections in connections {
-        let mut layouts = vec![1, connections];
-        layouts.dedup();
-        for robots in layouts {
-            row(bare.port, connections, robots, repeats, slice).await?;
+        let mut robots = vec![1, connections];
+        robots.dedup();
+        for robots in robots {
+            measure(
+                bare.port,
+                Layout {
+                    connections,
+                    robots,
+                    repeats,
+                    slice,
+                },
+            )
+            .await?;
         }
     }
     println!(
-        "one robot: its link carries one command at a time, raw TCP does not; a robot for each connection: like for like."
+        "\nOne robot: its link carries one command at a time, in order, as the controller does; raw TCP and the minimal bridge do not.\n\
+         A robot for each connection: like for like."
     );
     Ok(())
 }
 
 #[expect(clippy::print_stdout, reason = "this is a command-line tool's report")]
-async fn row(
-    bare: u16,
-    connections: usize,
-    robots: usize,
-    repeats: usize,
-    slice: Duration,
-) -> Result<()> {
+async fn measure(bare: u16, layout: Layout) -> Result<()> {
+    let Layout {
+        connections,
+        robots,
+        repeats,
+        slice,
+    } = layout;
     let robot = processes::start(&["robot".to_owned(), robots.to_string()]).await?;
-    let arguments = [
-        "served".to_owned(),
-        robot.port.to_string(),
-        robots.to_string(),
-    ];
-    let served = processes::start(&arguments).await?;
+    let first = robot.port.to_string();
+    let served =
+        processes::start(&["served".to_owned(), first.clone(), robots.to_string()]).await?;
+    let minimal = processes::start(&["minimal".to_owned(), first]).await?;
+
     let legacy = |_worker| "/fanuc/move?velocity=200".to_owned();
     let motions = |worker| format!("/api/v1/cells/bench/robots/r{}/motions", worker % robots);
+    let forwarded = |worker| format!("/move/{}", worker % robots);
     let hello = |_worker| "/".to_owned();
-    let (mut raw, mut moved, mut motion, mut axum) = (vec![], vec![], vec![], vec![]);
+    let mut samples: [Vec<Sample>; 5] = Default::default();
     for _ in 0..repeats {
+        let [raw, least, moved, motion, axum] = &mut samples;
         raw.push(load::raw_tcp(robot.port, robots, connections, slice).await?);
+        let http = |port, path: &dyn Fn(usize) -> String, body, status| {
+            let paths = (0..connections).map(path).collect();
+            load::over_http(port, paths, body, status, slice)
+        };
+        least.push(http(minimal.port, &forwarded, Some(MINIMAL), 200).await?);
         // The thesis's routes drive one robot; with several, only the versioned route spreads over them.
         if robots == 1 {
-            moved.push(
-                load::over_http(served.port, legacy, Some(MOVE), 200, connections, slice).await?,
+            moved.push(http(served.port, &legacy, Some(LEGACY), 200).await?);
+        }
+        motion.push(http(served.port, &motions, Some(MOTION), 202).await?);
+        axum.push(http(bare, &hello, None, 200).await?);
+    }
+
+    let plural = if robots == 1 { "" } else { "s" };
+    println!("\n{connections} connections, {robots} robot{plural}");
+    println!(
+        "  {:<34} {:>9}  {:>15}  {:>7}  {:>10}",
+        "", "req/s", "p50 / p99 ms", "of raw", "of minimal"
+    );
+    let names = [
+        "raw TCP connect, send, receive",
+        "minimal axum bridge",
+        "POST /fanuc/move",
+        "POST /api/v1/../motions",
+        "bare axum route",
+    ];
+    let [raw, least, ..] = &samples;
+    for (name, variant) in names.iter().zip(&samples) {
+        if !variant.is_empty() {
+            let figures = Figures::of(variant);
+            println!(
+                "  {name:<34} {:>9.0}  {:>6.2} / {:>6.2}  {:>6.0}%  {:>9.0}%",
+                figures.per_second,
+                figures.p50_ms,
+                figures.p99_ms,
+                ratio(variant, raw),
+                ratio(variant, least),
             );
         }
-        motion.push(
-            load::over_http(served.port, motions, Some(MOTION), 202, connections, slice).await?,
-        );
-        axum.push(load::over_http(bare, hello, None, 200, connections, slice).await?);
     }
-    println!(
-        "{connections:>5} {robots:>7}  {:>24} {:>24} {:>24} {:>24}  {:>9} {:>9} {:>9}",
-        figures(&raw),
-        figures(&moved),
-        figures(&motion),
-        figures(&axum),
-        ratio(&moved, &raw),
-        ratio(&motion, &raw),
-        ratio(&moved, &axum),
-    );
     Ok(())
 }
 
-fn figures(samples: &[Sample]) -> String {
-    if samples.is_empty() {
-        return "-".to_owned();
-    }
-    let milliseconds = |part: fn(&Sample) -> Duration| {
-        median(
-            samples
-                .iter()
-                .map(|sample| part(sample).as_secs_f64() * 1e3)
-                .collect(),
-        )
-    };
-    format!(
-        "{:.0} ({:.2} / {:.2})",
-        median(samples.iter().map(|sample| sample.per_second).collect()),
-        milliseconds(|sample| sample.p50),
-        milliseconds(|sample| sample.p99),
-    )
+struct Figures {
+    per_second: f64,
+    p50_ms: f64,
+    p99_ms: f64,
 }
 
-fn ratio(ours: &[Sample], theirs: &[Sample]) -> String {
-    if ours.is_empty() {
-        return "-".to_owned();
+impl Figures {
+    fn of(samples: &[Sample]) -> Self {
+        let middle = |part: fn(&Sample) -> f64| median(samples.iter().map(part).collect());
+        Self {
+            per_second: middle(|sample| sample.per_second),
+            p50_ms: middle(|sample| sample.p50.as_secs_f64() * 1e3),
+            p99_ms: middle(|sample| sample.p99.as_secs_f64() * 1e3),
+        }
     }
-    let ratios = ours
+}
+
+/// The median of the repeats' ratios, in percent.
+fn ratio(these: &[Sample], those: &[Sample]) -> f64 {
+    let ratios = these
         .iter()
-        .zip(theirs)
-        .map(|(ours, theirs)| ours.per_second / theirs.per_second);
-    format!("{:.0} %", 100.0 * median(ratios.collect()))
+        .zip(those)
+        .map(|(this, that)| this.per_second / that.per_second);
+    100.0 * median(ratios.collect())
 }
 
 fn median(mut values: Vec<f64>) -> f64 {
