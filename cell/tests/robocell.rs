@@ -9,7 +9,7 @@ use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::path::PathBuf;
 use std::process::{Child, Command, Output, Stdio};
 
-use api::LegacyPoint;
+use api::{LegacyDelta, LegacyPoint};
 use client::Client;
 
 /// A configuration file that is removed when this is dropped.
@@ -133,6 +133,16 @@ async fn an_operator_can_follow_the_log_line_by_line() {
         r: 0.0,
     };
     let _refused = refused.legacy_move(&far, None).await.unwrap_err();
+    let change = LegacyDelta {
+        dx: 5000.0,
+        dy: 0.0,
+        dz: 0.0,
+        dw: 0.0,
+        dp: 0.0,
+        dr: 0.0,
+    };
+    let delta = client.with_request_id("delta-1").unwrap();
+    let _refused = delta.legacy_delta(&change, None).await.unwrap_err();
     running.process.kill().unwrap();
     let mut log = String::new();
     let mut errors = running.process.stderr.take().unwrap();
@@ -152,6 +162,16 @@ async fn an_operator_can_follow_the_log_line_by_line() {
             "the command was refused and not sent",
             "r1",
             "refused-1",
+            "stretched arm"
+        ]),
+        "{log}"
+    );
+    assert!(
+        line(&[
+            "INFO",
+            "the command was refused and not sent",
+            "r1",
+            "delta-1",
             "stretched arm"
         ]),
         "{log}"

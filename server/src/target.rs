@@ -243,9 +243,14 @@ pub(crate) struct Paths {
 }
 
 impl Refusal {
-    /// Tells whoever follows the log of a command that was not sent; the request's span has its id.
-    pub(crate) fn log(&self, robot: &str) {
-        tracing::info!(robot.id = robot, reason = %self, "the command was refused and not sent");
+    /// Tells whoever follows the log of a command that was not sent.
+    pub(crate) fn log(&self, robot: &str, request_id: &str) {
+        tracing::info!(
+            robot.id = robot,
+            request_id,
+            reason = %self,
+            "the command was refused and not sent"
+        );
     }
 
     pub(crate) fn code(&self) -> ProblemCode {

@@ -98,7 +98,7 @@ pub(super) async fn fanuc_delta(
     let robot = &app.legacy;
     let change = [body.dx, body.dy, body.dz, body.dw, body.dp, body.dr];
     let sent = robot.carry_out_delta(change, speed, request_id).await;
-    answer(sent, robot)
+    answer(sent)
 }
 
 /// The server's version.
@@ -118,18 +118,18 @@ async fn send(
     prepared: Result<Prepared, Refusal>,
     request_id: RequestId,
 ) -> Result<Json<LegacyMoved>, LegacyError> {
-    let prepared = prepared.map_err(|refusal| LegacyError::of_refusal(&refusal, &POINT, robot))?;
+    let prepared = prepared.map_err(|refusal| {
+        refusal.log(&robot.plan.id, &request_id);
+        LegacyError::of_refusal(&refusal, &POINT)
+    })?;
     let within = robot.plan.deadline;
     let sent = robot.carry_out(prepared, request_id, within, None).await;
-    answer(sent, robot)
+    answer(sent)
 }
 
-fn answer(
-    sent: Result<Accepted, CommandFailure>,
-    robot: &Robot,
-) -> Result<Json<LegacyMoved>, LegacyError> {
+fn answer(sent: Result<Accepted, CommandFailure>) -> Result<Json<LegacyMoved>, LegacyError> {
     sent.map(|accepted| moved(&accepted))
-        .map_err(|failure| LegacyError::of_failure(failure, robot))
+        .map_err(LegacyError::of_failure)
 }
 
 fn moved(accepted: &Accepted) -> Json<LegacyMoved> {

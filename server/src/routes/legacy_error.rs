@@ -8,7 +8,6 @@ use axum::response::{IntoResponse, Response};
 use crate::commands::{CommandFailure, no_base};
 use crate::extract::BodyError;
 use crate::problem::Problem;
-use crate::state::Robot;
 use crate::target::{Concern, Refusal};
 
 /// An error of one of the seed's routes.
@@ -34,8 +33,7 @@ impl LegacyError {
     /// A refusal by the server's own checks; `names` are those of the body's numbers in the order of the wire, none
     /// where the body has no number of the point. A number that cannot be sent is named; what the arm cannot do reads like
     /// the controller's refusal, because the seed's clients know no other.
-    pub(crate) fn of_refusal(refusal: &Refusal, names: &[&str], robot: &Robot) -> Self {
-        refusal.log(&robot.plan.id);
+    pub(crate) fn of_refusal(refusal: &Refusal, names: &[&str]) -> Self {
         let message = refusal.to_string();
         match refusal.concern() {
             Concern::Speed => Self::validation(&["query", "velocity"], "value_error", message),
@@ -47,11 +45,11 @@ impl LegacyError {
         }
     }
 
-    pub(crate) fn of_failure(failure: CommandFailure, robot: &Robot) -> Self {
+    pub(crate) fn of_failure(failure: CommandFailure) -> Self {
         match failure {
             CommandFailure::Rejected { reply, motion: _ } => Self::Refused(reply.text().to_owned()),
             // The target of a relative move is a sum, so no single number of the body is to blame.
-            CommandFailure::Refused(refusal) => Self::of_refusal(&refusal, &[], robot),
+            CommandFailure::Refused(refusal) => Self::of_refusal(&refusal, &[]),
             CommandFailure::NoBase(base) => {
                 Self::Refused(format!("ERROR: NO ACCEPTED TARGET: {}", no_base(base)))
             }

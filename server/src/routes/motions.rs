@@ -61,7 +61,10 @@ pub(super) async fn create_motion(
 ) -> Result<(StatusCode, [(HeaderName, String); 1], Json<Motion>), Problem> {
     let plan = &robot.plan;
     check(&body).map_err(|problem| problem.robot(&plan.id))?;
-    let prepared = prepare(plan, &body).map_err(|refusal| refused(plan, &refusal))?;
+    let prepared = prepare(plan, &body).map_err(|refusal| {
+        refusal.log(&plan.id, &request_id);
+        refused(plan, &refusal)
+    })?;
     let within = body
         .deadline_ms
         .map_or(plan.deadline, Duration::from_millis);
@@ -200,7 +203,6 @@ fn prepare(plan: &RobotPlan, body: &MotionBody) -> Result<Prepared, Refusal> {
 }
 
 fn refused(plan: &RobotPlan, refusal: &Refusal) -> Problem {
-    refusal.log(&plan.id);
     Problem::not_sent(refusal.code(), refusal.to_string())
         .robot(&plan.id)
         .violations(refusal.violations(&PATHS))
