@@ -71,6 +71,11 @@ pub(crate) fn print(http: SocketAddr, file: &File, controllers: &[Running]) -> R
     Ok(())
 }
 
+fn count(number: usize, thing: &str) -> String {
+    let plural = if number == 1 { "" } else { "s" };
+    format!("{number} {thing}{plural}")
+}
+
 /// Says what a checked configuration holds.
 ///
 /// # Errors
@@ -80,10 +85,11 @@ pub(crate) fn checked(loaded: &Loaded) -> Result<()> {
     let mut out = std::io::stdout().lock();
     writeln!(
         out,
-        "{}: {} cells, {robots} robots, {} virtual controllers; nothing was started",
+        "{}: {}, {}, {}; nothing was started",
         loaded.name,
-        loaded.file.cells.len(),
-        loaded.file.virtual_controllers.len()
+        count(loaded.file.cells.len(), "cell"),
+        count(robots, "robot"),
+        count(loaded.file.virtual_controllers.len(), "virtual controller")
     )?;
     Ok(())
 }

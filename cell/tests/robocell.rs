@@ -9,6 +9,7 @@ use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::path::PathBuf;
 use std::process::{Child, Command, Output, Stdio};
 
+use api::{LegacyDelta, LegacyPoint};
 use client::Client;
 
 /// A configuration file that is removed when this is dropped.
@@ -67,7 +68,7 @@ impl Running {
     fn start(config: &ConfigFile) -> Self {
         let mut process = robocell(config)
             .stdout(Stdio::piped())
-            .stderr(Stdio::null())
+            .stderr(Stdio::piped())
             .spawn()
             .unwrap();
         let mut output = BufReader::new(process.stdout.take().unwrap());
@@ -112,6 +113,70 @@ async fn the_cell_starts_moves_its_arm_and_stops_on_sigterm() {
         .unwrap();
     assert!(told.success());
     assert!(running.process.wait().unwrap().success());
+}
+
+#[tokio::test]
+async fn an_operator_can_follow_the_log_line_by_line() {
+    let config = ConfigFile::new("log", &cell(any_port(), any_port()));
+    let mut running = Running::start(&config);
+    let client = Client::new(&running.http).unwrap();
+    let took = client.with_request_id("took-1").unwrap();
+    let _moved = took.legacy_home(None).await.unwrap();
+    let refused = client.with_request_id("refused-1").unwrap();
+    let _refused = refused.legacy_home(Some(2000)).await.unwrap_err();
+    let far = LegacyPoint {
+        x: 5000.0,
+        y: 0.0,
+        z: 0.0,
+        w: 0.0,
+        p: 0.0,
+        r: 0.0,
+    };
+    let _refused = refused.legacy_move(&far, None).await.unwrap_err();
+    let change = LegacyDelta {
+        dx: 5000.0,
+        dy: 0.0,
+        dz: 0.0,
+        dw: 0.0,
+        dp: 0.0,
+        dr: 0.0,
+    };
+    let delta = client.with_request_id("delta-1").unwrap();
+    let _refused = delta.legacy_delta(&change, None).await.unwrap_err();
+    running.process.kill().unwrap();
+    let mut log = String::new();
+    let mut errors = running.process.stderr.take().unwrap();
+    let _length = errors.read_to_string(&mut log).unwrap();
+
+    let line = |words: &[&str]| {
+        log.lines()
+            .any(|line| words.iter().all(|word| line.contains(word)))
+    };
+    assert!(
+        line(&["INFO", "the controller took the command", "r1", "took-1"]),
+        "{log}"
+    );
+    assert!(
+        line(&[
+            "INFO",
+            "the command was refused and not sent",
+            "r1",
+            "refused-1",
+            "stretched arm"
+        ]),
+        "{log}"
+    );
+    assert!(
+        line(&[
+            "INFO",
+            "the command was refused and not sent",
+            "r1",
+            "delta-1",
+            "stretched arm"
+        ]),
+        "{log}"
+    );
+    assert!(!log.contains('\u{1b}'), "colors in a file: {log:?}");
 }
 
 #[test]
@@ -207,7 +272,7 @@ fn a_checked_configuration_starts_nothing() {
         .unwrap();
     assert!(process.wait().unwrap().success());
     assert!(
-        said.contains("1 cells, 1 robots, 1 virtual controllers"),
+        said.contains("1 cell, 1 robot, 1 virtual controller;"),
         "{said}"
     );
 }

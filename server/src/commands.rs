@@ -44,7 +44,10 @@ impl Robot {
         reason: Option<String>,
     ) -> Result<Accepted, CommandFailure> {
         // The place comes first: a command that is turned away leaves no motion.
-        let place = self.link.reserve().map_err(|turned| self.turned(turned))?;
+        let place = self
+            .link
+            .reserve()
+            .map_err(|turned| self.turned(turned, &request_id))?;
         let motion = self.motions.queue(prepared, request_id.clone(), reason);
         let order = Order::Move { motion, prepared };
         self.judge(place.fill(order, within, request_id).await)
@@ -57,10 +60,26 @@ impl Robot {
         speed: MmPerSec,
         request_id: RequestId,
     ) -> Result<Accepted, CommandFailure> {
-        let place = self.link.reserve().map_err(|turned| self.turned(turned))?;
+        let place = self
+            .link
+            .reserve()
+            .map_err(|turned| self.turned(turned, &request_id))?;
         let order = Order::Delta { change, speed };
         let within = self.plan.deadline;
-        self.judge(place.fill(order, within, request_id).await)
+        let answer = place.fill(order, within, request_id.clone()).await;
+        // The link could not tell before, and made no motion of it.
+        if let Some(Answer::Refused(refusal)) = &answer {
+            refusal.log(&self.plan.id, &request_id);
+        }
+        if let Some(Answer::NoBase(base)) = &answer {
+            tracing::info!(
+                robot.id = self.plan.id,
+                request_id = &*request_id,
+                reason = no_base(*base),
+                "the command was refused and not sent"
+            );
+        }
+        self.judge(answer)
     }
 
     fn judge(&self, answer: Option<Answer>) -> Result<Accepted, CommandFailure> {
@@ -86,7 +105,13 @@ impl Robot {
         }
     }
 
-    fn turned(&self, turned: Turned) -> CommandFailure {
+    fn turned(&self, turned: Turned, request_id: &str) -> CommandFailure {
+        tracing::info!(
+            robot.id = self.plan.id,
+            request_id,
+            reason = ?turned,
+            "the command was turned away and not sent"
+        );
         let problem = match turned {
             Turned::Busy => Problem::not_sent(
                 ProblemCode::ControllerBusy,

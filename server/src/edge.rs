@@ -16,7 +16,7 @@ use tokio::time::{Instant, timeout};
 use tracing::Instrument as _;
 
 use crate::guard;
-use crate::problem::Problem;
+use crate::problem::{Problem, outcome_of_nothing_sent};
 use crate::request_id::{self, RequestId};
 use crate::state::App;
 
@@ -137,7 +137,8 @@ fn outcome_after(method: &Method) -> Outcome {
 /// axum's own answer is empty; its `Allow` header is kept, or added by the router outside of this layer.
 fn method_not_allowed(method: &Method, bare: &Response, path: &str, request_id: &str) -> Response {
     let detail = format!("{method} is not allowed here; the Allow header says what is");
-    let problem = Problem::new(ProblemCode::MethodNotAllowed, detail);
+    let problem = Problem::new(ProblemCode::MethodNotAllowed, detail)
+        .outcome(outcome_of_nothing_sent(method));
     let mut response = problem.into_answer(path, request_id);
     if let Some(allow) = bare.headers().get(header::ALLOW) {
         let _none = response.headers_mut().insert(header::ALLOW, allow.clone());

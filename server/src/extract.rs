@@ -8,7 +8,7 @@ use std::sync::Arc;
 use api::{ProblemCode, Violation};
 use axum::extract::{FromRequest, FromRequestParts, Request};
 use axum::http::request::Parts;
-use axum::http::{HeaderMap, header};
+use axum::http::{HeaderMap, HeaderValue, header};
 use bytes::Bytes;
 use http_body_util::{BodyExt as _, LengthLimitError, Limited};
 use serde::de::DeserializeOwned;
@@ -18,7 +18,11 @@ use tokio::time::timeout;
 use crate::config::ServerPlan;
 use crate::problem::Problem;
 use crate::request_id::RequestId;
-use crate::state::App;
+use crate::state::{App, shown};
+
+/// The longest message about a body, and the longest path in it, in characters: both may repeat what the caller sent.
+const MAX_MESSAGE: usize = 250;
+const MAX_ITEM: usize = 100;
 
 /// A JSON body.
 #[derive(Clone, Copy, Debug)]
@@ -44,6 +48,8 @@ pub(crate) enum BodyError {
     TooSlow { limit_ms: u128 },
     #[error("the body broke off")]
     Broken,
+    #[error("the content encoding is {found}; a body must be sent as it is")]
+    ContentEncoding { found: String },
     #[error("{message} (line {line}, column {column})")]
     Syntax {
         message: String,
@@ -57,7 +63,9 @@ pub(crate) enum BodyError {
 impl From<BodyError> for Problem {
     fn from(error: BodyError) -> Self {
         let code = match &error {
-            BodyError::ContentType { .. } => ProblemCode::UnsupportedMediaType,
+            BodyError::ContentType { .. } | BodyError::ContentEncoding { .. } => {
+                ProblemCode::UnsupportedMediaType
+            }
             BodyError::TooLarge { .. } => ProblemCode::PayloadTooLarge,
             BodyError::TooSlow { .. } => ProblemCode::RequestTimeout,
             BodyError::Broken | BodyError::Syntax { .. } => ProblemCode::InvalidJson,
@@ -71,6 +79,7 @@ impl From<BodyError> for Problem {
                 ..Violation::default()
             }]),
             BodyError::ContentType { .. }
+            | BodyError::ContentEncoding { .. }
             | BodyError::TooLarge { .. }
             | BodyError::TooSlow { .. }
             | BodyError::Broken
@@ -101,11 +110,23 @@ fn check_content_type(headers: &HeaderMap) -> Result<(), BodyError> {
         .and_then(|text| text.split(';').next())
         .map(str::trim);
     match essence {
-        Some(essence) if essence.eq_ignore_ascii_case("application/json") => Ok(()),
-        _ => Err(BodyError::ContentType {
-            found: format!("`{}`", value.as_bytes().escape_ascii()),
-        }),
+        Some(essence) if essence.eq_ignore_ascii_case("application/json") => {}
+        _ => {
+            return Err(BodyError::ContentType {
+                found: quoted(value),
+            });
+        }
     }
+    match headers.get(header::CONTENT_ENCODING) {
+        Some(value) if value != "identity" => Err(BodyError::ContentEncoding {
+            found: quoted(value),
+        }),
+        Some(_) | None => Ok(()),
+    }
+}
+
+fn quoted(value: &HeaderValue) -> String {
+    format!("`{}`", shown(&String::from_utf8_lossy(value.as_bytes())))
 }
 
 async fn read_body(request: Request, limits: &ServerPlan) -> Result<Bytes, BodyError> {
@@ -133,7 +154,7 @@ fn parse_json<T: DeserializeOwned>(body: &[u8]) -> Result<T, BodyError> {
     let mut json = serde_json::Deserializer::from_slice(body);
     // The path is tracked only where there is an error to report: tracking it allocates for every field.
     let value = T::deserialize(&mut json).map_err(|_| explain::<T>(body))?;
-    json.end().map_err(|error| syntax(&error))?;
+    json.end().map_err(|error| syntax(body, &error))?;
     // serde takes an array for an object, its values in the order of the fields. No body here holds an array.
     if holds_array(body) {
         return Err(BodyError::Shape {
@@ -169,13 +190,32 @@ fn explain<T: DeserializeOwned>(body: &[u8]) -> BodyError {
             item: item_of(&error.path().to_string(), &message_of(error.inner())),
             message: message_of(error.inner()),
         },
-        Err(error) => syntax(error.inner()),
+        Err(error) => explain_json::<T>(body).unwrap_or_else(|| syntax(body, error.inner())),
     }
 }
 
-fn syntax(error: &serde_json::Error) -> BodyError {
+/// What does not fit in a body that is JSON all the same: `serde_json` calls a value of another kind than an enum's a
+/// syntax error.
+fn explain_json<T: DeserializeOwned>(body: &[u8]) -> Option<BodyError> {
+    let value: serde_json::Value = serde_json::from_slice(body).ok()?;
+    let error = serde_path_to_error::deserialize::<_, T>(value).err()?;
+    let message = message_of(error.inner());
+    Some(BodyError::Shape {
+        item: item_of(&error.path().to_string(), &message),
+        message,
+    })
+}
+
+fn syntax(body: &[u8], error: &serde_json::Error) -> BodyError {
+    let message = if body.is_empty() {
+        "the body is empty".to_owned()
+    } else if body.starts_with(b"\xef\xbb\xbf") {
+        "a byte order mark stands before the value".to_owned()
+    } else {
+        message_of(error)
+    };
     BodyError::Syntax {
-        message: message_of(error),
+        message,
         line: error.line(),
         column: error.column(),
     }
@@ -188,23 +228,45 @@ fn item_of(path: &str, message: &str) -> String {
         .iter()
         .find_map(|begin| message.strip_prefix(begin))
         .and_then(|rest| rest.split('`').next());
-    match (path, named) {
+    let item = match (path, named) {
         (".", None) => "body".to_owned(),
         (".", Some(name)) => name.to_owned(),
         (path, Some(name)) if path != name && !path.ends_with(&format!(".{name}")) => {
             format!("{path}.{name}")
         }
         (path, _) => path.to_owned(),
-    }
+    };
+    cut(item, MAX_ITEM)
 }
 
-/// The error's text without the position `serde_json` puts behind it.
+/// The error's text without the position `serde_json` puts behind it, in JSON's words instead of Rust's, and no
+/// longer than a person reads.
 fn message_of(error: &serde_json::Error) -> String {
-    let text = error.to_string();
-    match text.rfind(" at line ") {
-        Some(end) => text.get(..end).unwrap_or(&text).to_owned(),
-        None => text,
+    const WORDS: [(&str, &str); 6] = [
+        (": sequence, ", ": array, "),
+        (": map, ", ": object, "),
+        (", expected map with", ", expected an object with"),
+        (", expected f64", ", expected a number"),
+        (", expected u64", ", expected a whole number from 0"),
+        (", expected struct ", ", expected an object, "),
+    ];
+    let mut text = error.to_string();
+    if let Some(end) = text.rfind(" at line ") {
+        text.truncate(end);
     }
+    for (rust, json) in WORDS {
+        // Only the first: what follows may be the caller's own text.
+        text = text.replacen(rust, json, 1);
+    }
+    cut(text, MAX_MESSAGE)
+}
+
+fn cut(mut text: String, characters: usize) -> String {
+    if let Some((end, _)) = text.char_indices().nth(characters) {
+        text.truncate(end);
+        text.push('…');
+    }
+    text
 }
 
 /// The id of the request, as the edge made it.

@@ -9,7 +9,7 @@ use std::net::{Ipv4Addr, Ipv6Addr};
 use api::{Outcome, ProblemCode};
 use axum::http::{HeaderMap, Method, header};
 
-use crate::problem::Problem;
+use crate::problem::{Problem, outcome_of_nothing_sent};
 
 /// Refuses what a page from elsewhere may have made a browser send.
 pub(crate) fn check(
@@ -25,7 +25,8 @@ pub(crate) fn check(
             return Err(Problem::new(
                 ProblemCode::HostNotAllowed,
                 "the Host header names neither an address, nor localhost, nor a host of `server.allowed_hosts`",
-            ));
+            )
+            .outcome(outcome_of_nothing_sent(method)));
         }
     };
     let changes = !matches!(*method, Method::GET | Method::HEAD | Method::OPTIONS);

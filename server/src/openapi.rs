@@ -15,11 +15,17 @@ at most once.
 This is not a safety function: emergency stop and guards are hard-wired in the controller.";
 
 const TAGS: [(&str, &str); 7] = [
-    ("legacy", "The routes of the seed's clients, for one robot."),
-    ("cells", "The cells and their robots."),
-    ("robots", "What a robot is, and what is known of it now."),
-    ("kinematics", "Poses and joint values; nothing is sent."),
     ("motions", "Moving a robot, and what became of it."),
+    ("robots", "What a robot is, and what is known of it now."),
+    (
+        "kinematics",
+        "Between poses and joint values; nothing is sent.",
+    ),
+    ("cells", "The cells and their robots."),
+    (
+        "fanuc",
+        "The source thesis's own routes and answers, for its clients: one robot, the configuration's `legacy_robot`.",
+    ),
     ("problems", "The kinds of problems, by their stable codes."),
     ("health", "For whoever watches the server."),
 ];

@@ -4,7 +4,7 @@
 //! the body. So a problem is the same wherever in a request it arises, and no body is written twice.
 
 use api::{Outcome, ProblemCode, Violation};
-use axum::http::{HeaderValue, StatusCode, header};
+use axum::http::{HeaderValue, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use uuid::Uuid;
 
@@ -119,6 +119,15 @@ impl Problem {
             let _none = headers.insert(header::RETRY_AFTER, seconds);
         }
         response
+    }
+}
+
+/// The outcome of a request that was turned away: what may have been a command was not sent.
+pub(crate) fn outcome_of_nothing_sent(method: &Method) -> Outcome {
+    if *method == Method::POST {
+        Outcome::NotSent
+    } else {
+        Outcome::None
     }
 }
 

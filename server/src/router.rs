@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use axum::http::Uri;
+use axum::http::{Method, Uri};
 use axum::response::Html;
 use axum::routing::get;
 use axum::{Router, middleware};
@@ -8,9 +8,9 @@ use utoipa::openapi::OpenApi;
 use utoipa_swagger_ui::SwaggerUi;
 
 use crate::edge::edge;
-use crate::problem::Problem;
+use crate::problem::{Problem, outcome_of_nothing_sent};
 use crate::routes;
-use crate::state::App;
+use crate::state::{App, shown};
 
 /// The documented routes and their document.
 pub(crate) fn documented() -> (Router<Arc<App>>, OpenApi) {
@@ -27,12 +27,7 @@ pub(crate) fn finish(routes: Router<Arc<App>>, document: OpenApi, app: Arc<App>)
         .with_state(app)
 }
 
-async fn not_found(uri: Uri) -> Problem {
-    let shown: String = uri
-        .path()
-        .chars()
-        .take(100)
-        .flat_map(char::escape_default)
-        .collect();
-    Problem::not_found(format!("there is nothing at `{shown}`"))
+async fn not_found(method: Method, uri: Uri) -> Problem {
+    Problem::not_found(format!("there is nothing at `{}`", shown(uri.path())))
+        .outcome(outcome_of_nothing_sent(&method))
 }

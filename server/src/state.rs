@@ -118,8 +118,8 @@ impl App {
     }
 }
 
-/// The beginning of a name from outside, safe to repeat.
-fn shown(name: &str) -> String {
+/// The beginning of a text from outside, safe to repeat.
+pub(crate) fn shown(name: &str) -> String {
     name.chars()
         .take(64)
         .flat_map(char::escape_default)

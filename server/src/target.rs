@@ -4,8 +4,8 @@
 
 use api::{MotionType, ProblemCode, Violation};
 use kinematics::{
-    Axis, Configuration, IkError, JointsError, LimitViolations, Obstacle, PendantJoints, Pose,
-    PoseError, Seed, Singularity, Solution, Xyzwpr,
+    Axis, Configuration, IkError, LimitViolations, Obstacle, PendantJoints, Pose, PoseError, Seed,
+    Singularity, Solution, Xyzwpr,
 };
 use protocol::{CommandError, Item, MAX_SPEED, MIN_SPEED, MoveCommand, WireMove};
 use thiserror::Error;
@@ -26,6 +26,9 @@ pub(crate) struct Prepared {
 /// How far the joints a caller asked for may differ from the ones the controller would choose, in degrees. The
 /// pose is rounded to thousandths on its way, which moves a joint by a few hundredths near a singularity.
 const SAME_JOINTS_DEG: f64 = 0.1;
+
+/// The largest joint value that is read, in degrees: a hundred turns, as for the angles of a pose.
+const MAX_JOINT_DEG: f64 = 36_000.0;
 
 impl RobotPlan {
     /// A move of the tool center point to a point in the user frame.
@@ -48,7 +51,7 @@ impl RobotPlan {
         degrees: [f64; 6],
         speed: MmPerSec,
     ) -> Result<Prepared, Refusal> {
-        let joints = PendantJoints::try_from_degrees(degrees).map_err(Refusal::Joints)?;
+        let joints = joints_of(degrees)?;
         self.model
             .check_limits(&joints)
             .map_err(Refusal::JointLimits)?;
@@ -122,6 +125,17 @@ impl RobotPlan {
     }
 }
 
+/// Joint values a caller gave, which may be beyond the arm's limits.
+pub(crate) fn joints_of(degrees: [f64; 6]) -> Result<PendantJoints, Refusal> {
+    for (axis, value) in Axis::ALL.into_iter().zip(degrees) {
+        // A NaN is in no range.
+        if !(-MAX_JOINT_DEG..=MAX_JOINT_DEG).contains(&value) {
+            return Err(Refusal::Joint { axis, value });
+        }
+    }
+    Ok(PendantJoints::from_degrees(degrees))
+}
+
 /// The point the controller will compute from the thousandths of the wire.
 pub(crate) fn sent_point(wire: &WireMove) -> Xyzwpr {
     let MoveCommand {
@@ -139,19 +153,19 @@ pub(crate) fn sent_point(wire: &WireMove) -> Xyzwpr {
 /// Why a move is not sent. Every variant is the caller's to correct.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub(crate) enum Refusal {
-    #[error("the speed is {value}, not a whole number of {MIN_SPEED} to {max} mm/s")]
+    #[error("the speed is {}; it must be a whole number of {MIN_SPEED} to {max} mm/s", number(value.0))]
     Speed { value: MmPerSec, max: u16 },
     #[error("{0}")]
     Command(CommandError),
     #[error("{0}")]
     Pose(PoseError),
-    #[error("{0}")]
-    Joints(JointsError),
+    #[error("{axis} is {}; it must be from -{MAX_JOINT_DEG} to {MAX_JOINT_DEG} degrees", number(*value))]
+    Joint { axis: Axis, value: f64 },
     #[error("{0}")]
     JointLimits(LimitViolations),
-    #[error("{0}")]
+    #[error("{}", kinematics_text(.0))]
     Kinematics(IkError),
-    #[error("the pose is at a singularity: {}", near_singularities(singularity))]
+    #[error("{}", near_singularities(singularity))]
     Singular { singularity: Singularity },
     #[error(
         "the wire carries a pose, and for the pose of these joints (branch {asked}) the controller, which keeps \
@@ -168,9 +182,36 @@ fn near_singularities(singularity: &Singularity) -> String {
     measures(singularity)
         .into_iter()
         .filter(|(_, measure, threshold)| measure < threshold)
-        .map(|(name, measure, threshold)| format!("{name} {measure:.4} is below {threshold}"))
+        .map(|(name, measure, threshold)| near_singularity(name, measure, threshold))
         .collect::<Vec<_>>()
         .join(", ")
+}
+
+fn near_singularity(name: &str, measure: f64, threshold: f64) -> String {
+    format!(
+        "its distance from the {name} singularity is {measure:.4} on a scale of 0 to 1; {threshold} is needed"
+    )
+}
+
+/// The error in words that follow a title like "The pose is out of reach".
+fn kinematics_text(error: &IkError) -> String {
+    match error {
+        IkError::OutOfReach { excess, bound } => {
+            format!("the wrist center would be {excess:.3} {bound}")
+        }
+        IkError::JointLimit { .. }
+        | IkError::NoSolutionInConfiguration { .. }
+        | IkError::NotFinite(_) => error.to_string(),
+    }
+}
+
+/// A number from outside in a message: no row of three hundred digits.
+fn number(value: f64) -> String {
+    if value.abs() < 1e15 {
+        value.to_string()
+    } else {
+        format!("{value:e}")
+    }
 }
 
 fn measures(singularity: &Singularity) -> [(&'static str, f64, f64); 3] {
@@ -192,13 +233,32 @@ pub(crate) enum Concern {
     Arm,
 }
 
+/// What a request calls the things a refusal is about.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Paths {
+    pub(crate) speed: &'static str,
+    /// X to R.
+    pub(crate) point: [&'static str; 6],
+    pub(crate) joints: &'static str,
+}
+
 impl Refusal {
+    /// Tells whoever follows the log of a command that was not sent.
+    pub(crate) fn log(&self, robot: &str, request_id: &str) {
+        tracing::info!(
+            robot.id = robot,
+            request_id,
+            reason = %self,
+            "the command was refused and not sent"
+        );
+    }
+
     pub(crate) fn code(&self) -> ProblemCode {
         match self {
             Self::Speed { .. }
             | Self::Command(_)
             | Self::Pose(_)
-            | Self::Joints(_)
+            | Self::Joint { .. }
             | Self::Kinematics(IkError::NotFinite(_)) => ProblemCode::Validation,
             Self::JointLimits(_) | Self::Kinematics(IkError::JointLimit { .. }) => {
                 ProblemCode::JointLimitExceeded
@@ -233,7 +293,7 @@ impl Refusal {
                     .map_or(Concern::Arm, Concern::Point)
             }
             Self::Pose(PoseError::Rotation { .. })
-            | Self::Joints(_)
+            | Self::Joint { .. }
             | Self::JointLimits(_)
             | Self::Kinematics(_)
             | Self::Singular { .. }
@@ -241,8 +301,13 @@ impl Refusal {
         }
     }
 
-    /// Each thing wrong, in the words of the API. `point` names the six numbers of the point.
-    pub(crate) fn violations(&self, speed: &str, point: [&str; 6]) -> Vec<Violation> {
+    /// Each thing wrong, in the words of the API.
+    pub(crate) fn violations(&self, paths: &Paths) -> Vec<Violation> {
+        let Paths {
+            speed,
+            point,
+            joints,
+        } = *paths;
         let whole = |item: &str, value: Option<f64>| Violation {
             item: item.to_owned(),
             message: self.to_string(),
@@ -258,12 +323,20 @@ impl Refusal {
             Self::Command(_) | Self::Pose(_) => match self.concern() {
                 Concern::Point(index) => point
                     .get(index)
-                    .map(|item| whole(item, self.value()))
+                    .map(|item| self.with_wire_limits(whole(item, self.value())))
                     .into_iter()
                     .collect(),
                 Concern::Speed | Concern::Arm => vec![whole(speed, self.value())],
             },
-            Self::Joints(_) | Self::OtherBranch { .. } => vec![whole("target.joints", None)],
+            Self::Joint { axis, value } => vec![Violation {
+                min: Some(-MAX_JOINT_DEG),
+                max: Some(MAX_JOINT_DEG),
+                ..whole(
+                    &format!("{joints}.{}_deg", axis.to_string().to_lowercase()),
+                    Some(*value),
+                )
+            }],
+            Self::OtherBranch { .. } => vec![whole(joints, None)],
             Self::JointLimits(violations)
             | Self::Kinematics(
                 IkError::JointLimit { violations, .. }
@@ -277,9 +350,7 @@ impl Refusal {
                 .filter(|(_, measure, threshold)| measure < threshold)
                 .map(|(name, measure, threshold)| Violation {
                     item: name.to_owned(),
-                    message: format!(
-                        "0 is singular, 1 is farthest from it; {threshold} is asked for"
-                    ),
+                    message: near_singularity(name, measure, threshold),
                     value: Some(measure),
                     min: Some(threshold),
                     max: None,
@@ -293,14 +364,27 @@ impl Refusal {
         }
     }
 
+    /// The violation with the limits of the wire, where they are the ones exceeded.
+    fn with_wire_limits(&self, violation: Violation) -> Violation {
+        if matches!(self, Self::Command(CommandError::OutOfRange { .. })) {
+            Violation {
+                min: Some(f64::from(i32::MIN) / 1000.0),
+                max: Some(f64::from(i32::MAX) / 1000.0),
+                ..violation
+            }
+        } else {
+            violation
+        }
+    }
+
     fn value(&self) -> Option<f64> {
         match self {
             Self::Command(error) => Some(error.value()),
             Self::Pose(PoseError::Coordinate { value, .. }) => Some(value.0),
             Self::Pose(PoseError::Angle { value, .. }) => Some(value.0),
             Self::Speed { value, .. } => Some(value.0),
+            Self::Joint { value, .. } => Some(*value),
             Self::Pose(PoseError::Rotation { .. })
-            | Self::Joints(_)
             | Self::JointLimits(_)
             | Self::Kinematics(_)
             | Self::Singular { .. }

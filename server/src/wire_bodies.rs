@@ -7,8 +7,18 @@ use units::{Degrees, Millimeters};
 /// A number as people read it: to a millionth of a thousandth, so that 500 does not come back as 500.00000000000006
 /// from its way through radians.
 pub(crate) fn shown(value: f64) -> f64 {
-    // Adding zero makes a negative zero positive.
-    (value * 1e9).round() / 1e9 + 0.0
+    let scaled = (value * 1e9).round();
+    if scaled.is_finite() {
+        // Adding zero makes a negative zero positive.
+        scaled / 1e9 + 0.0
+    } else {
+        value
+    }
+}
+
+/// Joint values as [`joints_body`] shows them: what is told about them then holds for the numbers a caller sees.
+pub(crate) fn as_shown(joints: &PendantJoints) -> PendantJoints {
+    PendantJoints::from_degrees(joints.degrees().map(shown))
 }
 
 pub(crate) fn joints_body(joints: &PendantJoints) -> JointsBody {

@@ -8,7 +8,9 @@ use api::{
 };
 use client::{ClientError, Page};
 use karel_emulator::{LedgerEntry, LedgerEvent};
-use tests::{Direction, Look, Mode, TestCell, wait_until, while_stepping};
+use tests::{ACCEPTED, Direction, Look, Mode, TestCell, wait_until, while_stepping};
+use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
+use tokio::net::TcpStream;
 
 /// Long enough for a slow machine, and never waited for in full when all is well.
 const LONG: Duration = Duration::from_secs(30);
@@ -238,5 +240,36 @@ async fn an_answer_comes_before_the_end_and_a_second_motion_waits_its_turn() -> 
         .collect();
     let (started, finished) = (LedgerEvent::Started, LedgerEvent::Finished);
     assert_eq!(order, [started, finished, started, finished]);
+    cell.shutdown().await
+}
+
+#[tokio::test]
+async fn the_theses_own_line_over_bare_tcp_brings_the_arm_to_its_point() -> anyhow::Result<()> {
+    let cell = TestCell::start().await?;
+    let address = cell.emulator().address_of_port(59_002).await?;
+    let mut stream = TcpStream::connect(address).await?;
+    stream
+        .write_all(b"600000 200000 600000 -180000 30000 0 300 1")
+        .await?;
+    let mut reply = Vec::new();
+    let _length = stream.read_to_end(&mut reply).await?;
+    assert_eq!(reply, ACCEPTED);
+
+    let pose = cell.wait_until_finished(1, LONG).await?.pose;
+    for (actual, expected) in [
+        (pose.x_mm, 600.0),
+        (pose.y_mm, 200.0),
+        (pose.z_mm, 600.0),
+        (pose.w_deg.abs(), 180.0),
+        (pose.p_deg, 30.0),
+        (pose.r_deg, 0.0),
+    ] {
+        assert!((actual - expected).abs() < 0.01, "{pose:?}");
+    }
+    let ledger = ledger(&cell).await?;
+    let events: Vec<LedgerEvent> = ledger.iter().map(|entry| entry.event).collect();
+    assert_eq!(events, [LedgerEvent::Started, LedgerEvent::Finished]);
+    assert!((ledger[0].speed_mm_s - 300.0).abs() < 1e-9);
+    assert_eq!(ledger[0].request_id, None);
     cell.shutdown().await
 }

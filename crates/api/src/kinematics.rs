@@ -6,6 +6,9 @@ use crate::{JointsBody, PoseBody};
 /// Joint values whose pose is asked for.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
 #[serde(deny_unknown_fields)]
+#[schema(example = json!({
+    "joints": {"j1_deg": 0, "j2_deg": 0, "j3_deg": 0, "j4_deg": 0, "j5_deg": -90, "j6_deg": 0}
+}))]
 pub struct ForwardBody {
     /// Joint values as on the pendant.
     pub joints: JointsBody,
@@ -29,6 +32,9 @@ pub struct ForwardResult {
 /// A pose whose joint values are asked for.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
 #[serde(deny_unknown_fields)]
+#[schema(example = json!({
+    "pose": {"x_mm": 985, "y_mm": 0, "z_mm": 940, "w_deg": -180, "p_deg": 0, "r_deg": 0}
+}))]
 pub struct InverseBody {
     /// The tool center point in the robot's user frame.
     pub pose: PoseBody,

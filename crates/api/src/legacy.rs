@@ -6,24 +6,32 @@ use utoipa::ToSchema;
 /// An absolute point, millimeters and degrees.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
 #[serde(deny_unknown_fields)]
+#[schema(example = json!({"x": 600, "y": 200, "z": 600, "w": -180, "p": 30, "r": 0}))]
 pub struct LegacyPoint {
     /// X in millimeters.
+    #[schema(minimum = -1_000_000, maximum = 1_000_000)]
     pub x: f64,
     /// Y in millimeters.
+    #[schema(minimum = -1_000_000, maximum = 1_000_000)]
     pub y: f64,
     /// Z in millimeters.
+    #[schema(minimum = -1_000_000, maximum = 1_000_000)]
     pub z: f64,
     /// W in degrees.
+    #[schema(minimum = -36_000, maximum = 36_000)]
     pub w: f64,
     /// P in degrees.
+    #[schema(minimum = -36_000, maximum = 36_000)]
     pub p: f64,
     /// R in degrees.
+    #[schema(minimum = -36_000, maximum = 36_000)]
     pub r: f64,
 }
 
 /// A change to the last accepted point, millimeters and degrees, added to each number.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
 #[serde(deny_unknown_fields)]
+#[schema(example = json!({"dx": 0, "dy": 0, "dz": -50, "dw": 0, "dp": 0, "dr": 0}))]
 pub struct LegacyDelta {
     /// Change of X in millimeters.
     pub dx: f64,

@@ -8,6 +8,11 @@ use crate::{JointsBody, Outcome, PoseBody, ProblemCode, Tier};
 /// A motion to carry out.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
 #[serde(deny_unknown_fields)]
+#[schema(example = json!({
+    "type": "JOINT",
+    "speed_mm_s": 300,
+    "target": {"pose": {"x_mm": 985, "y_mm": 0, "z_mm": 940, "w_deg": -180, "p_deg": 0, "r_deg": 0}}
+}))]
 pub struct MotionBody {
     /// How the arm gets there.
     #[serde(rename = "type")]
@@ -16,7 +21,7 @@ pub struct MotionBody {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target: Option<TargetBody>,
     /// Programmed speed, 1 to 1999 mm/s, a whole number (the controller's wire format has no fractions).
-    #[schema(minimum = 1, maximum = 1999)]
+    #[schema(minimum = 1, maximum = 1999, multiple_of = 1)]
     pub speed_mm_s: f64,
     /// How long the caller is willing to wait for the controller's answer, in milliseconds.
     /// The robot's configured deadline holds where this is absent.

@@ -1,5 +1,8 @@
+use std::borrow::Cow;
+
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use utoipa::openapi::{ObjectBuilder, RefOr, Schema, schema::Type};
+use utoipa::{PartialSchema, ToSchema};
 use uuid::Uuid;
 
 /// A problem in the form of RFC 9457, media type `application/problem+json`.
@@ -89,7 +92,7 @@ pub enum Outcome {
 macro_rules! problem_codes {
     ($($(#[$doc:meta])* $variant:ident, $text:literal, $status:literal, $title:literal;)*) => {
         /// The stable code of a problem. The list only grows.
-        #[derive(Clone, Copy, Debug, Deserialize, Eq, Hash, PartialEq, Serialize, ToSchema)]
+        #[derive(Clone, Copy, Debug, Deserialize, Eq, Hash, PartialEq, Serialize)]
         pub enum ProblemCode {
             $($(#[$doc])* #[serde(rename = $text)] $variant,)*
         }
@@ -173,9 +176,36 @@ problem_codes! {
     HostNotAllowed, "host-not-allowed", 421, "The host is not one of this server's";
 }
 
+// By hand: the derived schema does not see a name that a macro gives, and would list the variants.
+impl PartialSchema for ProblemCode {
+    fn schema() -> RefOr<Schema> {
+        ObjectBuilder::new()
+            .schema_type(Type::String)
+            .description(Some("The stable code of a problem. The list only grows."))
+            .enum_values(Some(Self::ALL.iter().map(|code| code.as_str())))
+            .into()
+    }
+}
+
+impl ToSchema for ProblemCode {
+    fn name() -> Cow<'static, str> {
+        Cow::Borrowed("ProblemCode")
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_documented_codes_are_the_ones_that_are_written() {
+        let schema = serde_json::to_value(ProblemCode::schema()).unwrap();
+        let documented = schema["enum"].as_array().unwrap();
+        assert_eq!(documented.len(), ProblemCode::ALL.len());
+        for code in ProblemCode::ALL {
+            assert!(documented.contains(&serde_json::to_value(code).unwrap()));
+        }
+    }
 
     #[test]
     fn a_code_is_written_as_its_text() {

@@ -192,7 +192,7 @@ pub enum CommandError {
     },
     /// A value in thousandths does not fit the controller's 32-bit INTEGER.
     #[error(
-        "{item} is {value}, outside the wire's -2147483.648 to 2147483.647 (32-bit thousandths)"
+        "{item} is {}, outside the wire's -2147483.648 to 2147483.647 (32-bit thousandths)", Short(*value)
     )]
     OutOfRange {
         /// Which value.
@@ -201,11 +201,24 @@ pub enum CommandError {
         value: f64,
     },
     /// The speed is not a whole number of 1 to 1999 mm/s.
-    #[error("SPEED is {value} mm/s, not a whole number of {MIN_SPEED} to {MAX_SPEED}")]
+    #[error("SPEED is {} mm/s, not a whole number of {MIN_SPEED} to {MAX_SPEED}", Short(*value))]
     Speed {
         /// The speed in mm/s.
         value: f64,
     },
+}
+
+/// A number in a message: no row of three hundred digits.
+struct Short(f64);
+
+impl fmt::Display for Short {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0.abs() < 1e15 {
+            write!(f, "{}", self.0)
+        } else {
+            write!(f, "{:e}", self.0)
+        }
+    }
 }
 
 impl CommandError {

@@ -12,7 +12,7 @@ use crate::motion_store::End;
 /// after which the arm may be moving.
 #[derive(Debug, Error)]
 pub(crate) enum LinkError {
-    #[error("the deadline passed before the command was sent")]
+    #[error("it waited for its turn until its deadline")]
     DeadlinePassed,
     #[error("connecting to the controller at {address}")]
     Connect {
@@ -20,11 +20,11 @@ pub(crate) enum LinkError {
         #[source]
         source: io::Error,
     },
-    #[error("the controller at {address} did not take the connection within {after:?}")]
+    #[error("the controller at {address} did not take the connection within {} ms", after.as_millis())]
     ConnectTimeout { address: String, after: Duration },
     #[error("writing the command failed before its first byte")]
     WriteNothing(#[source] io::Error),
-    #[error("the server is stopping; the command was not sent")]
+    #[error("no more commands are sent")]
     Stopping,
 
     #[error("writing the command failed after {written} of {len} bytes")]
@@ -38,7 +38,7 @@ pub(crate) enum LinkError {
     Read(#[source] io::Error),
     #[error("the controller closed the connection after {received} bytes of a reply")]
     ClosedEarly { received: usize },
-    #[error("no whole reply within {after:?} of the command ({received} bytes came)")]
+    #[error("no whole reply within {} ms of the command ({received} bytes came)", after.as_millis())]
     NoReply { after: Duration, received: usize },
     #[error("the reply \"{text}\" is none of the protocol's")]
     UnknownReply { text: String },

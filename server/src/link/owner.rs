@@ -197,7 +197,7 @@ impl<C: Connector> Task<C> {
         });
         let robot = &self.owner.plan.id;
         match reply {
-            Reply::Accepted => tracing::debug!(
+            Reply::Accepted => tracing::info!(
                 robot.id = robot,
                 request_id,
                 %motion,

@@ -6,7 +6,7 @@ use api::{CellSummary, RobotSummary};
 use axum::Json;
 use axum::extract::State;
 
-use super::params::CellId;
+use super::params::{CellId, CellPath};
 use super::responses::{AnyProblem, NotFound};
 use crate::problem::Problem;
 use crate::state::{App, Cell};
@@ -23,7 +23,7 @@ pub(super) async fn list_cells(State(app): State<Arc<App>>) -> Json<Vec<CellSumm
 /// Shows a cell.
 #[utoipa::path(
     get, path = "/api/v1/cells/{cell}", tag = "cells",
-    params(("cell" = String, Path, description = "The cell's id.")),
+    params(CellPath),
     responses((status = 200, description = "The cell.", body = CellSummary), NotFound, AnyProblem),
 )]
 pub(super) async fn get_cell(
@@ -36,7 +36,7 @@ pub(super) async fn get_cell(
 /// Lists the robots of a cell.
 #[utoipa::path(
     get, path = "/api/v1/cells/{cell}/robots", tag = "cells",
-    params(("cell" = String, Path, description = "The cell's id.")),
+    params(CellPath),
     responses((status = 200, description = "Its robots.", body = Vec<RobotSummary>), NotFound, AnyProblem),
 )]
 pub(super) async fn list_robots(

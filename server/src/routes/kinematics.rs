@@ -7,38 +7,41 @@
 
 use std::cmp::Ordering;
 
-use api::{
-    BranchBody, ForwardBody, ForwardResult, InverseBody, InverseResult, Outcome, ProblemCode,
-};
+use api::{BranchBody, ForwardBody, ForwardResult, InverseBody, InverseResult};
 use axum::Json;
 use kinematics::{PendantJoints, Pose, Seed, Solution};
 
-use super::params::RobotOf;
+use super::params::{RobotOf, RobotPath};
 use super::responses::{AnyProblem, BodyProblem, CrossSite, InvalidJson, NotFound};
 use crate::config::RobotPlan;
 use crate::extract::JsonBody;
 use crate::problem::Problem;
-use crate::target::{Refusal, margins};
-use crate::wire_bodies::{joints_body, point_of, pose_body, shown, singularity_body};
+use crate::target::{Paths, Refusal, joints_of, margins};
+use crate::wire_bodies::{as_shown, joints_body, point_of, pose_body, shown, singularity_body};
 
-const POSE: [&str; 6] = [
-    "pose.x_mm",
-    "pose.y_mm",
-    "pose.z_mm",
-    "pose.w_deg",
-    "pose.p_deg",
-    "pose.r_deg",
-];
+const PATHS: Paths = Paths {
+    speed: "",
+    point: [
+        "pose.x_mm",
+        "pose.y_mm",
+        "pose.z_mm",
+        "pose.w_deg",
+        "pose.p_deg",
+        "pose.r_deg",
+    ],
+    joints: "joints",
+};
+const PATHS_NEAR: Paths = Paths {
+    joints: "near",
+    ..PATHS
+};
 
 /// Computes the pose of joint values.
 ///
 /// Joint values outside their limits have a pose too; the margins tell.
 #[utoipa::path(
     post, path = "/api/v1/cells/{cell}/robots/{robot}/kinematics/forward", tag = "kinematics",
-    params(
-        ("cell" = String, Path, description = "The cell's id."),
-        ("robot" = String, Path, description = "The robot's id."),
-    ),
+    params(RobotPath),
     request_body = ForwardBody,
     responses(
         (status = 200, description = "The pose.", body = ForwardResult),
@@ -51,7 +54,8 @@ pub(super) async fn forward(
     JsonBody(body): JsonBody<ForwardBody>,
 ) -> Result<Json<ForwardResult>, Problem> {
     let plan = &robot.plan;
-    let joints = joints(body.joints, "joints")?;
+    let joints =
+        joints_of(body.joints.into()).map_err(|refusal| refused(plan, &refusal, &PATHS))?;
     Ok(Json(ForwardResult {
         pose: pose_body(&plan.point_at(&joints).xyzwpr()),
         configuration: plan.model.configuration(&joints).to_string(),
@@ -67,10 +71,7 @@ pub(super) async fn forward(
 /// A singular pose is answered too, with its measures; a motion to it is refused.
 #[utoipa::path(
     post, path = "/api/v1/cells/{cell}/robots/{robot}/kinematics/inverse", tag = "kinematics",
-    params(
-        ("cell" = String, Path, description = "The cell's id."),
-        ("robot" = String, Path, description = "The robot's id."),
-    ),
+    params(RobotPath),
     request_body = InverseBody,
     responses(
         (status = 200, description = "The branches.", body = InverseResult),
@@ -84,28 +85,25 @@ pub(super) async fn inverse(
     JsonBody(body): JsonBody<InverseBody>,
 ) -> Result<Json<InverseResult>, Problem> {
     let plan = &robot.plan;
-    let refused = |refusal: Refusal| {
-        Problem::new(refusal.code(), refusal.to_string())
-            .outcome(Outcome::None)
-            .robot(&plan.id)
-            .violations(refusal.violations("", POSE))
-    };
+    let of_pose = |refusal: Refusal| refused(plan, &refusal, &PATHS);
     let near = match body.near {
-        Some(near) => joints(near, "near")?,
+        Some(near) => {
+            joints_of(near.into()).map_err(|refusal| refused(plan, &refusal, &PATHS_NEAR))?
+        }
         None => plan.model.home(),
     };
     let pose = Pose::try_from_xyzwpr(&point_of(&body.pose))
-        .map_err(|error| refused(Refusal::Pose(error)))?;
+        .map_err(|error| of_pose(Refusal::Pose(error)))?;
     let X_WF = plan.frames.flange_in_world(&pose);
     // Also the check that there is a branch inside the limits, with the right error where there is none.
     let nearest = plan
         .model
         .inverse(&X_WF, Seed::Near(near))
-        .map_err(|error| refused(Refusal::Kinematics(error)))?;
+        .map_err(|error| of_pose(Refusal::Kinematics(error)))?;
     let all = plan
         .model
         .inverse_all(&X_WF)
-        .map_err(|error| refused(Refusal::Kinematics(error)))?;
+        .map_err(|error| of_pose(Refusal::Kinematics(error)))?;
     let controller = plan
         .model
         .inverse(&X_WF, Seed::InConfiguration(plan.configuration))
@@ -130,9 +128,10 @@ pub(super) async fn inverse(
     }))
 }
 
-fn joints(body: api::JointsBody, item: &str) -> Result<PendantJoints, Problem> {
-    PendantJoints::try_from_degrees(body.into())
-        .map_err(|error| Problem::new(ProblemCode::Validation, format!("{item}: {error}")))
+fn refused(plan: &RobotPlan, refusal: &Refusal, paths: &Paths) -> Problem {
+    Problem::new(refusal.code(), refusal.to_string())
+        .robot(&plan.id)
+        .violations(refusal.violations(paths))
 }
 
 fn same(a: &Solution, b: &Solution) -> bool {
@@ -163,12 +162,14 @@ fn squares(near: &PendantJoints, solution: &Solution) -> f64 {
 }
 
 fn branch_body(plan: &RobotPlan, near: &PendantJoints, solution: &Solution) -> BranchBody {
+    // Everything is told of the joints as shown, so that forward kinematics of them tells the same.
+    let joints = as_shown(&solution.joints);
     BranchBody {
-        joints: joints_body(&solution.joints),
-        configuration: solution.configuration.to_string(),
-        within_limits: solution.within_limits(),
-        margins: margins(plan, &solution.joints),
-        singularity: singularity_body(&solution.singularity),
+        joints: joints_body(&joints),
+        configuration: plan.model.configuration(&joints).to_string(),
+        within_limits: plan.model.check_limits(&joints).is_ok(),
+        margins: margins(plan, &joints),
+        singularity: singularity_body(&plan.model.singularity(&joints)),
         distance_deg: shown(differences(near, solution).fold(0.0, f64::max)),
     }
 }

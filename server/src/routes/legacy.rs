@@ -12,16 +12,16 @@ use protocol::{MAX_SPEED, MIN_SPEED};
 use serde::de::DeserializeOwned;
 use units::MmPerSec;
 
-use super::legacy_error::{LegacyError, Names};
+use super::legacy_error::LegacyError;
 use super::responses::{AnyProblem, BodyProblem, CrossSite, LinkProblem};
-use crate::commands::Accepted;
+use crate::commands::{Accepted, CommandFailure};
 use crate::extract::read_json;
 use crate::request_id::RequestId;
-use crate::state::App;
-use crate::target::sent_point;
+use crate::state::{App, Robot, shown};
+use crate::target::{Prepared, Refusal, sent_point};
 use crate::wire_bodies::{legacy_point, point_of_legacy};
 
-const POINT: Names = ["x", "y", "z", "w", "p", "r"];
+const POINT: [&str; 6] = ["x", "y", "z", "w", "p", "r"];
 /// The speed of a move whose request names none, in mm/s.
 const DEFAULT_VELOCITY: u16 = 200;
 
@@ -29,7 +29,7 @@ const DEFAULT_VELOCITY: u16 = 200;
 ///
 /// The answer means that the controller took the command, not that the arm is there.
 #[utoipa::path(
-    post, path = "/fanuc/move", tag = "legacy",
+    post, path = "/fanuc/move", tag = "fanuc",
     params(("velocity" = Option<u16>, Query, minimum = 1, maximum = 1999, description = "Programmed speed in mm/s; 200 where absent.")),
     request_body = LegacyPoint,
     responses(
@@ -47,20 +47,13 @@ pub(super) async fn fanuc_move(
     LegacyBody(body): LegacyBody<LegacyPoint>,
 ) -> Result<Json<LegacyMoved>, LegacyError> {
     let robot = &app.legacy;
-    let prepared = robot
-        .plan
-        .prepare_point(&point_of_legacy(&body), speed)
-        .map_err(|refusal| LegacyError::of_refusal(&refusal, POINT))?;
-    let within = robot.plan.deadline;
-    match robot.carry_out(prepared, request_id, within, None).await {
-        Ok(accepted) => Ok(moved(&accepted)),
-        Err(failure) => Err(LegacyError::of_failure(failure, robot)),
-    }
+    let prepared = robot.plan.prepare_point(&point_of_legacy(&body), speed);
+    send(robot, prepared, request_id).await
 }
 
 /// Moves to the home joints of the arm model.
 #[utoipa::path(
-    post, path = "/fanuc/home", tag = "legacy",
+    post, path = "/fanuc/home", tag = "fanuc",
     params(("velocity" = Option<u16>, Query, minimum = 1, maximum = 1999, description = "Programmed speed in mm/s; 200 where absent.")),
     responses(
         (status = 200, description = "The controller took the command.", body = LegacyMoved),
@@ -76,15 +69,8 @@ pub(super) async fn fanuc_home(
     Velocity(speed): Velocity,
 ) -> Result<Json<LegacyMoved>, LegacyError> {
     let robot = &app.legacy;
-    let prepared = robot
-        .plan
-        .prepare_home(speed)
-        .map_err(|refusal| LegacyError::of_refusal(&refusal, POINT))?;
-    let within = robot.plan.deadline;
-    match robot.carry_out(prepared, request_id, within, None).await {
-        Ok(accepted) => Ok(moved(&accepted)),
-        Err(failure) => Err(LegacyError::of_failure(failure, robot)),
-    }
+    let prepared = robot.plan.prepare_home(speed);
+    send(robot, prepared, request_id).await
 }
 
 /// Moves relative to the last accepted target, number by number.
@@ -92,7 +78,7 @@ pub(super) async fn fanuc_home(
 /// It counts from the target the controller last accepted through this server, on any route; not from where the arm
 /// is. While that target is not known (none yet, or a command in doubt since) it is refused.
 #[utoipa::path(
-    post, path = "/fanuc/delta", tag = "legacy",
+    post, path = "/fanuc/delta", tag = "fanuc",
     params(("velocity" = Option<u16>, Query, minimum = 1, maximum = 1999, description = "Programmed speed in mm/s; 200 where absent.")),
     request_body = LegacyDelta,
     responses(
@@ -111,21 +97,39 @@ pub(super) async fn fanuc_delta(
 ) -> Result<Json<LegacyMoved>, LegacyError> {
     let robot = &app.legacy;
     let change = [body.dx, body.dy, body.dz, body.dw, body.dp, body.dr];
-    match robot.carry_out_delta(change, speed, request_id).await {
-        Ok(accepted) => Ok(moved(&accepted)),
-        Err(failure) => Err(LegacyError::of_failure(failure, robot)),
-    }
+    let sent = robot.carry_out_delta(change, speed, request_id).await;
+    answer(sent)
 }
 
 /// The server's version.
 #[utoipa::path(
-    get, path = "/version", tag = "legacy",
+    get, path = "/version", tag = "fanuc",
     responses((status = 200, description = "The version.", body = LegacyVersion), AnyProblem),
 )]
 pub(super) async fn version() -> Json<LegacyVersion> {
     Json(LegacyVersion {
         version: vec![env!("CARGO_PKG_VERSION").to_owned()],
     })
+}
+
+/// Sends a move that passed the server's checks, or says why it did not.
+async fn send(
+    robot: &Arc<Robot>,
+    prepared: Result<Prepared, Refusal>,
+    request_id: RequestId,
+) -> Result<Json<LegacyMoved>, LegacyError> {
+    let prepared = prepared.map_err(|refusal| {
+        refusal.log(&robot.plan.id, &request_id);
+        LegacyError::of_refusal(&refusal, &POINT)
+    })?;
+    let within = robot.plan.deadline;
+    let sent = robot.carry_out(prepared, request_id, within, None).await;
+    answer(sent)
+}
+
+fn answer(sent: Result<Accepted, CommandFailure>) -> Result<Json<LegacyMoved>, LegacyError> {
+    sent.map(|accepted| moved(&accepted))
+        .map_err(LegacyError::of_failure)
 }
 
 fn moved(accepted: &Accepted) -> Json<LegacyMoved> {
@@ -157,9 +161,7 @@ impl FromRequestParts<Arc<App>> for Velocity {
             return velocity(DEFAULT_VELOCITY, max);
         };
         // The form most requests have needs no decoding.
-        if let Some(value) = query.strip_prefix("velocity=")
-            && let Ok(value) = value.parse()
-        {
+        if let Some(value) = query.strip_prefix("velocity=").and_then(whole) {
             return velocity(value, max);
         }
         let pairs = Query::<Vec<(String, String)>>::try_from_uri(&parts.uri).map_err(|error| {
@@ -168,6 +170,7 @@ impl FromRequestParts<Arc<App>> for Velocity {
         let mut given = None;
         for (key, value) in pairs.0 {
             if key != "velocity" {
+                let key = shown(&key);
                 let message = format!("`{key}` is unknown; the only parameter is `velocity`");
                 return Err(LegacyError::validation(
                     &["query", &key],
@@ -183,11 +186,16 @@ impl FromRequestParts<Arc<App>> for Velocity {
                     message,
                 ));
             }
-            let whole = value.parse().map_err(|_| out_of_range(&value, max))?;
-            given = Some(whole);
+            given = Some(whole(&value).ok_or_else(|| out_of_range(&value, max))?);
         }
         velocity(given.unwrap_or(DEFAULT_VELOCITY), max)
     }
+}
+
+/// Digits only: Rust's own parser would take a plus sign, which means a space in a query.
+fn whole(text: &str) -> Option<u16> {
+    let digits = text.bytes().all(|byte| byte.is_ascii_digit());
+    text.parse().ok().filter(|_| digits)
 }
 
 fn velocity(value: u16, max: u16) -> Result<Velocity, LegacyError> {
@@ -199,7 +207,8 @@ fn velocity(value: u16, max: u16) -> Result<Velocity, LegacyError> {
 }
 
 fn out_of_range(value: &str, max: u16) -> LegacyError {
+    let value = shown(value);
     let message =
-        format!("velocity is {value}; it must be a whole number of {MIN_SPEED} to {max} mm/s");
+        format!("velocity is `{value}`; it must be a whole number of {MIN_SPEED} to {max} mm/s");
     LegacyError::validation(&["query", "velocity"], "value_error", message)
 }

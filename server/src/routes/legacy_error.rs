@@ -8,7 +8,6 @@ use axum::response::{IntoResponse, Response};
 use crate::commands::{CommandFailure, no_base};
 use crate::extract::BodyError;
 use crate::problem::Problem;
-use crate::state::Robot;
 use crate::target::{Concern, Refusal};
 
 /// An error of one of the seed's routes.
@@ -22,9 +21,6 @@ pub(crate) enum LegacyError {
     Problem(Problem),
 }
 
-/// The numbers of a body, in the order of the wire.
-pub(crate) type Names = [&'static str; 6];
-
 impl LegacyError {
     pub(crate) fn validation(loc: &[&str], kind: &'static str, msg: impl Into<String>) -> Self {
         Self::Validation(LegacyValidationItem {
@@ -34,9 +30,10 @@ impl LegacyError {
         })
     }
 
-    /// A refusal by the server's own checks. A number that cannot be sent is named; what the arm cannot do reads like
+    /// A refusal by the server's own checks; `names` are those of the body's numbers in the order of the wire, none
+    /// where the body has no number of the point. A number that cannot be sent is named; what the arm cannot do reads like
     /// the controller's refusal, because the seed's clients know no other.
-    pub(crate) fn of_refusal(refusal: &Refusal, names: Names) -> Self {
+    pub(crate) fn of_refusal(refusal: &Refusal, names: &[&str]) -> Self {
         let message = refusal.to_string();
         match refusal.concern() {
             Concern::Speed => Self::validation(&["query", "velocity"], "value_error", message),
@@ -48,17 +45,11 @@ impl LegacyError {
         }
     }
 
-    pub(crate) fn of_failure(failure: CommandFailure, robot: &Robot) -> Self {
+    pub(crate) fn of_failure(failure: CommandFailure) -> Self {
         match failure {
-            CommandFailure::Rejected { reply, motion } => {
-                tracing::debug!(robot.id = robot.plan.id, %motion, "refused by the controller");
-                Self::Refused(reply.text().to_owned())
-            }
+            CommandFailure::Rejected { reply, motion: _ } => Self::Refused(reply.text().to_owned()),
             // The target of a relative move is a sum, so no single number of the body is to blame.
-            CommandFailure::Refused(refusal) => match refusal.concern() {
-                Concern::Speed => Self::of_refusal(&refusal, [""; 6]),
-                Concern::Point(_) | Concern::Arm => Self::unreachable(&refusal.to_string()),
-            },
+            CommandFailure::Refused(refusal) => Self::of_refusal(&refusal, &[]),
             CommandFailure::NoBase(base) => {
                 Self::Refused(format!("ERROR: NO ACCEPTED TARGET: {}", no_base(base)))
             }
@@ -74,9 +65,11 @@ impl LegacyError {
 impl From<BodyError> for LegacyError {
     fn from(error: BodyError) -> Self {
         match &error {
-            BodyError::Syntax { .. } | BodyError::Broken => {
-                Self::validation(&["body"], "json_invalid", error.to_string())
-            }
+            BodyError::Syntax { .. } | BodyError::Broken => Self::validation(
+                &["body"],
+                "json_invalid",
+                format!("the body is not valid JSON: {error}"),
+            ),
             BodyError::Shape { item, message } => {
                 let loc: Vec<&str> = match item.as_str() {
                     "body" => vec!["body"],
@@ -85,6 +78,7 @@ impl From<BodyError> for LegacyError {
                 Self::validation(&loc, kind_of(message), message.clone())
             }
             BodyError::ContentType { .. }
+            | BodyError::ContentEncoding { .. }
             | BodyError::TooLarge { .. }
             | BodyError::TooSlow { .. } => Self::Problem(error.into()),
         }
@@ -101,7 +95,7 @@ fn kind_of(message: &str) -> &'static str {
     let known = KINDS.iter().find(|(begin, _)| message.starts_with(begin));
     match known {
         Some((_, kind)) => kind,
-        None if message.ends_with("expected f64") => "float_type",
+        None if message.ends_with("expected a number") => "float_type",
         None => "type_error",
     }
 }

@@ -9,7 +9,7 @@ use axum::Json;
 use axum::http::{HeaderName, StatusCode, header};
 use units::MmPerSec;
 
-use super::params::{MAX_PAGE, MotionId, Page, RobotOf};
+use super::params::{MAX_PAGE, MotionId, Page, RobotOf, RobotPath};
 use super::responses::{AnyProblem, BodyProblem, CrossSite, InvalidJson, LinkProblem, NotFound};
 use crate::commands::{CommandFailure, no_base};
 use crate::config::{MAX_DEADLINE_MS, RobotPlan};
@@ -17,18 +17,21 @@ use crate::extract::JsonBody;
 use crate::problem::Problem;
 use crate::request_id::RequestId;
 use crate::state::Robot;
-use crate::target::{Prepared, Refusal};
+use crate::target::{Paths, Prepared, Refusal};
 use crate::wire_bodies::point_of;
 
-const POINT: [&str; 6] = [
-    "target.pose.x_mm",
-    "target.pose.y_mm",
-    "target.pose.z_mm",
-    "target.pose.w_deg",
-    "target.pose.p_deg",
-    "target.pose.r_deg",
-];
-const SPEED: &str = "speed_mm_s";
+const PATHS: Paths = Paths {
+    speed: "speed_mm_s",
+    point: [
+        "target.pose.x_mm",
+        "target.pose.y_mm",
+        "target.pose.z_mm",
+        "target.pose.w_deg",
+        "target.pose.p_deg",
+        "target.pose.r_deg",
+    ],
+    joints: "target.joints",
+};
 /// The longest reason, in characters.
 const MAX_REASON: usize = 200;
 
@@ -39,10 +42,7 @@ const MAX_REASON: usize = 200;
 /// once. At tier 0 the answer `accepted` is the last thing the server can know of a motion.
 #[utoipa::path(
     post, path = "/api/v1/cells/{cell}/robots/{robot}/motions", tag = "motions",
-    params(
-        ("cell" = String, Path, description = "The cell's id."),
-        ("robot" = String, Path, description = "The robot's id."),
-    ),
+    params(RobotPath),
     request_body = MotionBody,
     responses(
         (status = 202, description = "The controller took the motion.", body = Motion,
@@ -61,7 +61,10 @@ pub(super) async fn create_motion(
 ) -> Result<(StatusCode, [(HeaderName, String); 1], Json<Motion>), Problem> {
     let plan = &robot.plan;
     check(&body).map_err(|problem| problem.robot(&plan.id))?;
-    let prepared = prepare(plan, &body).map_err(|refusal| refused(plan, &refusal))?;
+    let prepared = prepare(plan, &body).map_err(|refusal| {
+        refusal.log(&plan.id, &request_id);
+        refused(plan, &refusal)
+    })?;
     let within = body
         .deadline_ms
         .map_or(plan.deadline, Duration::from_millis);
@@ -91,10 +94,9 @@ pub(super) async fn create_motion(
 #[utoipa::path(
     get, path = "/api/v1/cells/{cell}/robots/{robot}/motions", tag = "motions",
     params(
-        ("cell" = String, Path, description = "The cell's id."),
-        ("robot" = String, Path, description = "The robot's id."),
+        RobotPath,
         ("limit" = Option<usize>, Query, minimum = 1, maximum = 200, description = "How many at most; 50 where absent."),
-        ("cursor" = Option<String>, Query, description = "The `next_cursor` of the page before."),
+        ("cursor" = Option<uuid::Uuid>, Query, description = "The `next_cursor` of the page before."),
     ),
     responses(
         (status = 200, description = "A page of motions.", body = MotionList),
@@ -122,8 +124,7 @@ pub(super) async fn list_motions(RobotOf(robot): RobotOf, page: Page) -> Json<Mo
 #[utoipa::path(
     get, path = "/api/v1/cells/{cell}/robots/{robot}/motions/{id}", tag = "motions",
     params(
-        ("cell" = String, Path, description = "The cell's id."),
-        ("robot" = String, Path, description = "The robot's id."),
+        RobotPath,
         ("id" = uuid::Uuid, Path, description = "The motion's id."),
     ),
     responses((status = 200, description = "The motion.", body = Motion), NotFound, AnyProblem),
@@ -162,7 +163,10 @@ fn check(body: &MotionBody) -> Result<(), Problem> {
             value: Some(deadline as f64),
             min: Some(1.0),
             max: Some(MAX_DEADLINE_MS as f64),
-            ..violation("deadline_ms", "out of range")
+            ..violation(
+                "deadline_ms",
+                &format!("{deadline} ms is not from 1 to {MAX_DEADLINE_MS} ms"),
+            )
         });
     }
     if let Some(reason) = &body.reason {
@@ -201,7 +205,7 @@ fn prepare(plan: &RobotPlan, body: &MotionBody) -> Result<Prepared, Refusal> {
 fn refused(plan: &RobotPlan, refusal: &Refusal) -> Problem {
     Problem::not_sent(refusal.code(), refusal.to_string())
         .robot(&plan.id)
-        .violations(refusal.violations(SPEED, POINT))
+        .violations(refusal.violations(&PATHS))
 }
 
 fn problem_of(robot: &Robot, failure: CommandFailure) -> Problem {

@@ -6,14 +6,38 @@ use api::{ProblemCode, Violation};
 use axum::extract::{FromRequestParts, Query, RawPathParams};
 use axum::http::Uri;
 use axum::http::request::Parts;
+use utoipa::IntoParams;
 use uuid::Uuid;
 
-use crate::problem::Problem;
-use crate::state::{App, Robot};
+use crate::problem::{Problem, outcome_of_nothing_sent};
+use crate::state::{App, Robot, shown};
 
 /// The most motions of one page.
 pub(super) const MAX_PAGE: usize = 200;
 const DEFAULT_PAGE: usize = 50;
+
+/// The cell in a path, for the OpenAPI document.
+#[derive(IntoParams)]
+#[into_params(parameter_in = Path)]
+#[expect(dead_code, reason = "the fields exist for their descriptions only")]
+pub(super) struct CellPath {
+    /// The cell's id.
+    #[param(example = "demo")]
+    cell: String,
+}
+
+/// The robot in a path, for the OpenAPI document.
+#[derive(IntoParams)]
+#[into_params(parameter_in = Path)]
+#[expect(dead_code, reason = "the fields exist for their descriptions only")]
+pub(super) struct RobotPath {
+    /// The cell's id.
+    #[param(example = "demo")]
+    cell: String,
+    /// The robot's id.
+    #[param(example = "r1")]
+    robot: String,
+}
 
 /// The robot a path names: `…/cells/{cell}/robots/{robot}…`.
 pub(super) struct RobotOf(pub(super) Arc<Robot>);
@@ -25,7 +49,10 @@ impl FromRequestParts<Arc<App>> for RobotOf {
         let params = path_params(parts).await?;
         let cell = param(&params, "cell")?;
         let robot = param(&params, "robot")?;
-        app.robot(cell, robot).map(|robot| Self(Arc::clone(robot)))
+        let found = app.robot(cell, robot);
+        found
+            .map(|robot| Self(Arc::clone(robot)))
+            .map_err(|problem| problem.outcome(outcome_of_nothing_sent(&parts.method)))
     }
 }
 
@@ -96,7 +123,7 @@ impl Page {
                 "cursor" => before.replace(cursor(&value)?).is_some(),
                 _ => {
                     let message = "unknown; the parameters are `limit` and `cursor`";
-                    return Err(invalid(&key, message.to_owned(), None));
+                    return Err(invalid(&shown(&key), message.to_owned(), None));
                 }
             };
             if twice {
@@ -115,6 +142,7 @@ fn page_limit(text: &str) -> Result<usize, Problem> {
     value
         .filter(|value| (1..=MAX_PAGE).contains(value))
         .ok_or_else(|| {
+            let text = shown(text);
             let message = format!("`{text}` is not a whole number of 1 to {MAX_PAGE}");
             invalid("limit", message, text.parse().ok())
         })
@@ -122,7 +150,7 @@ fn page_limit(text: &str) -> Result<usize, Problem> {
 
 fn cursor(text: &str) -> Result<Uuid, Problem> {
     Uuid::parse_str(text).map_err(|_| {
-        let message = format!("`{text}` is not a `next_cursor` of this list");
+        let message = format!("`{}` is not a `next_cursor` of this list", shown(text));
         invalid("cursor", message, None)
     })
 }

@@ -52,7 +52,11 @@ pub(crate) enum LinkProblem {
     #[response(status = 502, content_type = "application/problem+json")]
     Protocol(Problem),
     /// `controller-busy`, `controller-disconnected` or `shutting-down`: not sent.
-    #[response(status = 503, content_type = "application/problem+json")]
+    #[response(
+        status = 503,
+        content_type = "application/problem+json",
+        headers(("retry-after" = u32, description = "Seconds after which to try again."))
+    )]
     Unavailable(Problem),
     /// `controller-timeout`: no answer in time; the motion is in doubt.
     #[response(status = 504, content_type = "application/problem+json")]

@@ -4,7 +4,7 @@ use api::{JointDescription, LinkStatus, PoseSource, RobotDescription, RobotState
 use axum::Json;
 use kinematics::Axis;
 
-use super::params::RobotOf;
+use super::params::{RobotOf, RobotPath};
 use super::responses::{AnyProblem, NotFound};
 use crate::config::RobotPlan;
 use crate::link::Base;
@@ -14,10 +14,7 @@ use crate::wire_bodies::{joints_body, pose_body};
 /// Describes a robot: model, joints, limits, frames.
 #[utoipa::path(
     get, path = "/api/v1/cells/{cell}/robots/{robot}", tag = "robots",
-    params(
-        ("cell" = String, Path, description = "The cell's id."),
-        ("robot" = String, Path, description = "The robot's id."),
-    ),
+    params(RobotPath),
     responses((status = 200, description = "The robot.", body = RobotDescription), NotFound, AnyProblem),
 )]
 pub(super) async fn get_robot(RobotOf(robot): RobotOf) -> Json<RobotDescription> {
@@ -27,10 +24,7 @@ pub(super) async fn get_robot(RobotOf(robot): RobotOf) -> Json<RobotDescription>
 /// Describes a robot; the same as the robot itself.
 #[utoipa::path(
     get, path = "/api/v1/cells/{cell}/robots/{robot}/description", tag = "robots",
-    params(
-        ("cell" = String, Path, description = "The cell's id."),
-        ("robot" = String, Path, description = "The robot's id."),
-    ),
+    params(RobotPath),
     responses((status = 200, description = "The robot.", body = RobotDescription), NotFound, AnyProblem),
 )]
 pub(super) async fn get_robot_description(RobotOf(robot): RobotOf) -> Json<RobotDescription> {
@@ -42,10 +36,7 @@ pub(super) async fn get_robot_description(RobotOf(robot): RobotOf) -> Json<Robot
 /// A seed controller reports no position: `pose` is the target it last accepted, and says so.
 #[utoipa::path(
     get, path = "/api/v1/cells/{cell}/robots/{robot}/state", tag = "robots",
-    params(
-        ("cell" = String, Path, description = "The cell's id."),
-        ("robot" = String, Path, description = "The robot's id."),
-    ),
+    params(RobotPath),
     responses((status = 200, description = "The robot's state.", body = RobotState), NotFound, AnyProblem),
 )]
 pub(super) async fn get_robot_state(RobotOf(robot): RobotOf) -> Json<RobotState> {

@@ -71,12 +71,63 @@ async fn inverse_gives_every_branch_and_the_controllers() {
 }
 
 #[tokio::test]
+async fn a_branch_is_told_as_forward_kinematics_tells_its_joints_even_half_a_turn_from_zero() {
+    let robot = FakeRobot::accepting().await;
+    let server = TestServer::start(&robot).await;
+    let mut half_turns = 0;
+    for w in [180.0, -180.0, 0.0] {
+        let result = server.post(INVERSE, &pose(985.0, 940.0, w, 0.0)).await;
+        for branch in result.json()["branches"].as_array().unwrap() {
+            let j4 = branch["joints"]["j4_deg"].as_f64().unwrap();
+            half_turns += usize::from((j4.abs() - 180.0).abs() < 1e-9);
+            let body = json!({"joints": branch["joints"]}).to_string();
+            let forward = server.post(FORWARD, &body).await.json();
+            for key in ["configuration", "within_limits", "margins", "singularity"] {
+                assert_eq!(branch[key], forward[key], "{key} of {branch}");
+            }
+        }
+    }
+    assert!(half_turns > 0, "no branch has J4 at half a turn");
+}
+
+#[tokio::test]
+async fn a_joint_value_of_more_than_a_hundred_turns_is_refused_not_answered_with_null() {
+    let robot = FakeRobot::accepting().await;
+    let server = TestServer::start(&robot).await;
+    let joints = HOME.replace("\"j5_deg\": -90", "\"j5_deg\": 1.7e308");
+    let problem = server
+        .post(FORWARD, &joints)
+        .await
+        .problem(422, "validation", "NONE");
+    assert_eq!(
+        problem["detail"],
+        "J5 is 1.7e308; it must be from -36000 to 36000 degrees"
+    );
+    let violation = &problem["violations"][0];
+    assert_eq!(violation["item"], "joints.j5_deg");
+    assert_eq!(violation["value"], 1.7e308);
+    assert_eq!(violation["max"], 36_000.0);
+
+    let near = joints.replacen("joints", "near", 1);
+    let body =
+        pose(985.0, 940.0, 180.0, 0.0).replacen('{', &format!("{},", &near[..near.len() - 1]), 1);
+    let problem = server
+        .post(INVERSE, &body)
+        .await
+        .problem(422, "validation", "NONE");
+    assert_eq!(problem["violations"][0]["item"], "near.j5_deg");
+}
+
+#[tokio::test]
 async fn inverse_of_a_pose_out_of_reach_says_so() {
     let robot = FakeRobot::accepting().await;
     let server = TestServer::start(&robot).await;
     let reply = server.post(INVERSE, &pose(5000.0, 940.0, 180.0, 0.0)).await;
     let problem = reply.problem(422, "out-of-workspace", "NONE");
-    assert!(problem["detail"].as_str().unwrap().contains("mm"));
+    // The title says that the pose is out of reach; the detail does not say it again.
+    let detail = problem["detail"].as_str().unwrap();
+    assert!(detail.starts_with("the wrist center would be "), "{detail}");
+    assert!(detail.ends_with(" mm beyond the stretched arm"), "{detail}");
     let reply = server.post(INVERSE, &pose(2e6, 940.0, 180.0, 0.0)).await;
     let problem = reply.problem(422, "validation", "NONE");
     assert_eq!(problem["violations"][0]["item"], "pose.x_mm");

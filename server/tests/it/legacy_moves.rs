@@ -85,7 +85,7 @@ async fn a_point_the_arm_cannot_reach_is_refused_in_the_controllers_manner_and_n
     let cases = [
         (
             r#"{"x": 5000, "y": 0, "z": 940, "w": 180, "p": 0, "r": 0}"#,
-            "reach",
+            "beyond the stretched arm",
         ),
         // The home pose turned by half a turn about the vertical: J6 would have to be far outside.
         (
@@ -95,7 +95,7 @@ async fn a_point_the_arm_cannot_reach_is_refused_in_the_controllers_manner_and_n
         // The flange forward at the height of the wrist: axes 4 and 6 in line.
         (
             r#"{"x": 985, "y": 0, "z": 1040, "w": 180, "p": -90, "r": 0}"#,
-            "singularity: wrist",
+            "its distance from the wrist singularity is 0.00",
         ),
     ];
     for (body, reason) in cases {

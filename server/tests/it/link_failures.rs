@@ -66,7 +66,7 @@ async fn a_connection_nobody_takes_is_given_up_after_its_time() {
     let server = TestServer::with(ServerSection::default(), section, network).await;
     let reply = server.post(MOTIONS, MOTION).await;
     let problem = reply.problem(503, "controller-disconnected", "NOT_SENT");
-    assert!(problem["detail"].as_str().unwrap().contains("50ms"));
+    assert!(problem["detail"].as_str().unwrap().contains("50 ms"));
     robot.assert_untouched();
 }
 

@@ -16,6 +16,7 @@ mod legacy_moves;
 mod link_failures;
 mod link_queue;
 mod motions;
+mod refusals;
 mod serving;
 mod simulated;
 mod support;

@@ -163,7 +163,9 @@ fn problem_text(problem: &Problem) -> String {
     for violation in &problem.violations {
         let _ = write!(text, "\n  {}", violation_text(violation, &problem.detail));
     }
-    if let Some(words) = &problem.controller_text {
+    if let Some(words) = &problem.controller_text
+        && !problem.detail.contains(words.as_str())
+    {
         let _ = write!(text, "\nThe controller said: {words}");
     }
     if let Some(motion) = problem.motion {
