@@ -62,7 +62,7 @@ mod wire_bodies;
 
 pub use clock::{SystemClock, WallClock};
 pub use config::{ConfigError, Plan};
-pub use link::{AddressError, Connector, ControllerAddress, TcpConnector};
+pub use link::{AddressError, Connector, ControllerAddress, TcpConnection, TcpConnector};
 pub use openapi::{OpenApiError, openapi, openapi_yaml};
 pub use serve::{ServeError, run, start};
 pub use state::Seams;

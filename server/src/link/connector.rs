@@ -3,11 +3,9 @@ use std::future::Future;
 use std::io;
 use std::net::SocketAddr;
 use std::str::FromStr;
-use std::sync::Arc;
 
 use thiserror::Error;
 use tokio::io::{AsyncRead, AsyncWrite};
-use tokio::net::TcpStream;
 
 /// Opens connections to controllers. The seam through which a test puts another network.
 pub trait Connector: Send + Sync + 'static {
@@ -83,57 +81,6 @@ impl fmt::Display for ControllerAddress {
 #[error("`{text}` is not `host:port` with a port of 1 to 65535")]
 pub struct AddressError {
     text: String,
-}
-
-type Label = dyn Fn(SocketAddr, &str) + Send + Sync;
-
-/// Connects over TCP, with `TCP_NODELAY`.
-#[derive(Clone, Default)]
-pub struct TcpConnector {
-    label: Option<Arc<Label>>,
-}
-
-impl TcpConnector {
-    /// A connector that tells `label` the local address and the request id of every connection before it is used.
-    ///
-    /// An emulator in the same process finds by it which request the bytes it receives belong to.
-    pub fn with_label(label: impl Fn(SocketAddr, &str) + Send + Sync + 'static) -> Self {
-        Self {
-            label: Some(Arc::new(label)),
-        }
-    }
-}
-
-impl Connector for TcpConnector {
-    type Stream = TcpStream;
-
-    async fn connect(&self, address: &ControllerAddress) -> io::Result<TcpStream> {
-        let stream = match address {
-            ControllerAddress::Numeric(address) => TcpStream::connect(*address).await?,
-            ControllerAddress::Named { host, port } => {
-                TcpStream::connect((host.as_str(), *port)).await?
-            }
-        };
-        // Without it a command that is written in two parts would wait for an acknowledgment in between.
-        stream.set_nodelay(true)?;
-        Ok(stream)
-    }
-
-    fn before_send(&self, stream: &TcpStream, request_id: &str) {
-        if let Some(label) = &self.label
-            && let Ok(local) = stream.local_addr()
-        {
-            label(local, request_id);
-        }
-    }
-}
-
-impl fmt::Debug for TcpConnector {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("TcpConnector")
-            .field("labels", &self.label.is_some())
-            .finish()
-    }
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ mod connector;
 mod error;
 mod owner;
 mod seed;
+mod tcp;
 #[cfg(test)]
 mod tests;
 
@@ -21,9 +22,10 @@ use tokio::time::Instant;
 use units::MmPerSec;
 use uuid::Uuid;
 
-pub use connector::{AddressError, Connector, ControllerAddress, TcpConnector};
+pub use connector::{AddressError, Connector, ControllerAddress};
 pub(crate) use error::LinkError;
 pub(crate) use owner::{Owner, spawn};
+pub use tcp::{TcpConnection, TcpConnector};
 
 use crate::request_id::RequestId;
 use crate::target::{Prepared, Refusal};

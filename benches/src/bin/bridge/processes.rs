@@ -19,6 +19,8 @@ pub(crate) async fn start(arguments: &[String]) -> Result<Part> {
         .args(arguments)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
+        // What the server logs is made, and goes nowhere: a terminal is not part of what is measured.
+        .stderr(Stdio::null())
         .kill_on_drop(true)
         .spawn()
         .with_context(|| format!("starting {arguments:?}"))?;

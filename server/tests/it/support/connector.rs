@@ -2,8 +2,7 @@ use std::collections::VecDeque;
 use std::io;
 use std::sync::{Arc, Mutex};
 
-use server::{Connector, ControllerAddress, TcpConnector};
-use tokio::net::TcpStream;
+use server::{Connector, ControllerAddress, TcpConnection, TcpConnector};
 
 /// What a connection attempt runs into.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
@@ -45,9 +44,9 @@ impl ScriptedNetwork {
 }
 
 impl Connector for ScriptedNetwork {
-    type Stream = TcpStream;
+    type Stream = TcpConnection;
 
-    async fn connect(&self, address: &ControllerAddress) -> io::Result<TcpStream> {
+    async fn connect(&self, address: &ControllerAddress) -> io::Result<TcpConnection> {
         let attempt = self.script.lock().unwrap().pop_front();
         match attempt {
             None => TcpConnector::default().connect(address).await,
@@ -56,7 +55,7 @@ impl Connector for ScriptedNetwork {
         }
     }
 
-    fn before_send(&self, stream: &TcpStream, request_id: &str) {
+    fn before_send(&self, stream: &TcpConnection, request_id: &str) {
         assert!(stream.local_addr().is_ok());
         self.labels.lock().unwrap().push(request_id.to_owned());
     }
