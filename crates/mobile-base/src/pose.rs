@@ -145,6 +145,26 @@ impl PlanarPose {
         )
     }
 
+    /// `X_BW * X_WC`: the constant twist times time that leads to `other`, the short way round. The
+    /// inverse of [`PlanarPose::moved_by`].
+    #[must_use]
+    pub fn displacement_to(self, other: PlanarPose) -> Displacement {
+        let turn = one_turn(other.heading - self.heading);
+        let half = 0.5 * turn;
+        let (sin, cos) = (self.heading + half).sin_cos();
+        let (x, y) = (
+            other.position.x - self.position.x,
+            other.position.y - self.position.y,
+        );
+        // At most half a turn, so the chord is at least 2 / pi of the arc.
+        let stretch = 1.0 / sinc(half);
+        Displacement {
+            forward: Millimeters(stretch * (cos * x + sin * y)),
+            left: Millimeters(stretch * (cos * y - sin * x)),
+            turn: Radians(turn),
+        }
+    }
+
     /// A point that is given in the base's frame, in the world.
     pub(crate) fn point_in_world(self, p_B: (f64, f64)) -> Point {
         let (sin, cos) = self.heading.sin_cos();
@@ -207,6 +227,14 @@ mod tests {
         let end = start.moved_by(&displacement(500.0, 80.0, TAU)).unwrap();
         assert!(end.position().distance_to(start.position()).0 < 1e-9);
         assert!(start.heading_error_to(end).0.abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_way_to_a_pose_leads_there() {
+        let (start, end) = (pose(1.0, 2.0, 0.3), pose(-500.0, 90.0, -2.8));
+        let found = start.moved_by(&start.displacement_to(end)).unwrap();
+        assert!(found.position().distance_to(end.position()).0 < 1e-9);
+        assert!(found.heading_error_to(end).0.abs() < 1e-12);
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Values that are refused when they are out of their range.
 
 use std::fmt;
+use std::time::Duration;
 
 use units::{Degrees, Millimeters};
 use units::{MmPerSec, MmPerSec2, PerMillimeter, PerSecond, RadPerSec, Radians};
@@ -22,6 +23,8 @@ pub enum Quantity {
     Rate(PerSecond),
     /// A share of a length: a curvature, or the steepness of a function of distance.
     PerLength(PerMillimeter),
+    /// A time.
+    Time(Duration),
     /// A number of things.
     Count(usize),
     /// A share.
@@ -38,6 +41,7 @@ impl fmt::Display for Quantity {
             Quantity::Turn(value) => value.fmt(f),
             Quantity::Rate(value) => value.fmt(f),
             Quantity::PerLength(value) => value.fmt(f),
+            Quantity::Time(value) => write!(f, "{value:?}"),
             Quantity::Count(value) => value.fmt(f),
             Quantity::Ratio(value) => value.fmt(f),
         }
@@ -62,6 +66,7 @@ quantity_from!(
     RadPerSec => Turn,
     PerSecond => Rate,
     PerMillimeter => PerLength,
+    Duration => Time,
     usize => Count,
     f64 => Ratio,
 );

@@ -76,6 +76,22 @@ impl BodyTwist {
     }
 }
 
+impl Displacement {
+    /// The twist that drives it in `time`; nothing if there is no time.
+    #[must_use]
+    pub fn per(&self, time: Duration) -> Option<BodyTwist> {
+        if time.is_zero() {
+            return None;
+        }
+        let seconds = time.as_secs_f64();
+        Some(BodyTwist {
+            forward: MmPerSec(self.forward.0 / seconds),
+            left: MmPerSec(self.left.0 / seconds),
+            turn: RadPerSec(self.turn.0 / seconds),
+        })
+    }
+}
+
 impl WorldTwist {
     /// How fast the middle of the base moves.
     #[must_use]

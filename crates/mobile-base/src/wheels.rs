@@ -55,6 +55,9 @@ impl fmt::Display for Wheel {
 pub struct WheelSpeeds(pub [RadPerSec; 4]);
 
 impl WheelSpeeds {
+    /// Standing still.
+    pub const ZERO: WheelSpeeds = WheelSpeeds([RadPerSec(0.0); 4]);
+
     /// The speed of one wheel.
     #[must_use]
     pub fn of(&self, wheel: Wheel) -> RadPerSec {

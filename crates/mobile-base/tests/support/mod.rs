@@ -1,6 +1,8 @@
 //! A base to test with, and short ways to write values down.
 #![allow(dead_code, reason = "each test file uses a part of this")]
 
+pub(crate) mod robot;
+
 use mobile_base::{BodyTwist, Dimensions, MecanumBase, PlanarPose, Point, WheelSpeeds, WorldTwist};
 use units::{Millimeters, MmPerSec, RadPerSec, Radians};
 
