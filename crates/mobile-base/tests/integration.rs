@@ -1,4 +1,8 @@
 //! Steps through time, and dead reckoning.
+#![allow(
+    clippy::unwrap_used,
+    reason = "helpers of tests, where clippy.toml's exception does not reach"
+)]
 
 mod support;
 

@@ -1,4 +1,8 @@
 //! Stopping in front of obstacles, and going on.
+#![allow(
+    clippy::unwrap_used,
+    reason = "helpers of tests, where clippy.toml's exception does not reach"
+)]
 
 mod support;
 
@@ -16,10 +20,10 @@ fn disc(x: f64, y: f64, radius: f64) -> Obstacle {
 
 #[track_caller]
 fn blocked(state: DriveState) -> Blocked {
-    match state {
-        DriveState::Stopped(StopReason::Obstacle(blocked)) => blocked,
-        other => panic!("not stopped by an obstacle: {other:?}"),
-    }
+    let DriveState::Stopped(StopReason::Obstacle(blocked)) = state else {
+        panic!("not stopped by an obstacle: {state:?}");
+    };
+    blocked
 }
 
 #[test]

@@ -1,4 +1,8 @@
 //! The laws that drive to a point: thesis (4) to (10), against their closed solutions.
+#![allow(
+    clippy::unwrap_used,
+    reason = "helpers of tests, where clippy.toml's exception does not reach"
+)]
 
 mod support;
 

@@ -1,4 +1,8 @@
 //! Routes, driven to their end.
+#![allow(
+    clippy::unwrap_used,
+    reason = "helpers of tests, where clippy.toml's exception does not reach"
+)]
 
 mod support;
 
@@ -36,10 +40,10 @@ fn path(points: &[(f64, f64)], heading: PathHeading) -> Leg {
 
 #[track_caller]
 fn arrived(state: DriveState) -> (f64, Option<f64>) {
-    match state {
-        DriveState::Arrived(docking) => (docking.distance.0, docking.heading.map(|error| error.0)),
-        other => panic!("not arrived: {other:?}"),
-    }
+    let DriveState::Arrived(docking) = state else {
+        panic!("not arrived: {state:?}");
+    };
+    (docking.distance.0, docking.heading.map(|error| error.0))
 }
 
 #[test]

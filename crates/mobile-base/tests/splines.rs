@@ -1,4 +1,8 @@
 //! Splines and the speed along them.
+#![allow(
+    clippy::unwrap_used,
+    reason = "helpers of tests, where clippy.toml's exception does not reach"
+)]
 
 mod support;
 

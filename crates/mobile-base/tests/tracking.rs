@@ -1,4 +1,8 @@
 //! Following a trajectory: thesis (11) and the formula after it.
+#![allow(
+    clippy::unwrap_used,
+    reason = "helpers of tests, where clippy.toml's exception does not reach"
+)]
 
 mod support;
 

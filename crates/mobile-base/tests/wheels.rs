@@ -1,4 +1,8 @@
 //! Wheel speeds and body velocity: thesis (1), (2), (3), checked by hand and by the rollers.
+#![allow(
+    clippy::unwrap_used,
+    reason = "helpers of tests, where clippy.toml's exception does not reach"
+)]
 
 mod support;
 
