@@ -20,6 +20,15 @@ pub struct Reference {
     pub velocity: WorldTwist,
 }
 
+impl Reference {
+    /// The wanted velocity in the frame of a base that is at the wanted pose: the program control of
+    /// the text before (11). Without feedback; it keeps what deviation there is.
+    #[must_use]
+    pub fn program_twist(&self) -> BodyTwist {
+        self.pose.body_twist(self.velocity)
+    }
+}
+
 /// A path in time, as smooth as its velocity is wanted: twice differentiable for wheels that do not
 /// jerk.
 pub trait Trajectory {
@@ -82,6 +91,17 @@ impl TrackingLaw {
     #[must_use]
     pub fn gains(&self) -> [PerSecond; 3] {
         self.gains
+    }
+
+    /// The twist to drive at `time` along `trajectory`; see [`TrackingLaw::command`].
+    #[must_use]
+    pub fn follow(
+        &self,
+        pose: PlanarPose,
+        trajectory: &impl Trajectory,
+        time: Duration,
+    ) -> BodyTwist {
+        self.command(pose, &trajectory.reference(time))
     }
 
     /// The twist to drive now, in the base's frame; the wheels of the thesis's last formula are

@@ -61,6 +61,23 @@ fn the_wheels_are_those_of_the_last_formula() {
 }
 
 #[test]
+fn the_program_control_alone_stays_on_the_trajectory_it_begins_on() {
+    let step = Duration::from_millis(5);
+    let drive = |start: PlanarPose| {
+        (0..400).fold(start, |at, number| {
+            let now = step * number;
+            let program = |_, since| Eight.reference(now + since).program_twist();
+            runge_kutta(at, step, program).unwrap()
+        })
+    };
+    let end = drive(Eight.reference(Duration::ZERO).pose);
+    assert_near(deviation(end, step * 400), [0.0; 3], 1e-4);
+    // Beside it, it stays beside: nothing feeds the deviation back.
+    let beside = drive(pose(30.0, -40.0, 0.0));
+    assert_near(deviation(beside, step * 400), [30.0, -40.0, 0.0], 1e-4);
+}
+
+#[test]
 fn turning_the_velocity_with_the_heading_of_the_reference_breaks_the_decay() {
     // The text before (11) turns the wanted velocity with phi_ref. For the whole law that is wrong:
     // with a heading that is off by half a turn the base would be driven away.
@@ -99,7 +116,7 @@ proptest! {
         for number in 0..800 {
             let now = step * number;
             pose = runge_kutta(pose, step, |pose, since| {
-                law.command(pose, &Eight.reference(now + since))
+                law.follow(pose, &Eight, now + since)
             })
             .unwrap();
             let t = (now + step).as_secs_f64();
