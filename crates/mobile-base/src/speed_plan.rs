@@ -1,6 +1,6 @@
 //! How fast a path may be driven: curvature, braking, what the wheels can do.
 
-use units::{Millimeters, MmPerSec, MmPerSec2, PerMillimeter, RadPerSec, Radians};
+use units::{Millimeters, MmPerSec, MmPerSec2, RadPerSec, Radians};
 
 use crate::base::MecanumBase;
 use crate::pose::{Point, one_turn};
@@ -239,14 +239,4 @@ fn fastest_along(base: &MecanumBase, place: &PathPoint, heading: f64, per_length
     .in_body(Radians(heading));
     let (_, wheel) = base.inverse(&at_unit_speed).fastest();
     base.dimensions().max_wheel_speed.0 / wheel.0.abs()
-}
-
-/// A curvature as its radius; infinite on a straight.
-impl PathPoint {
-    /// The radius of the bend, whichever way it goes; infinite on a straight.
-    #[must_use]
-    pub fn radius(&self) -> Millimeters {
-        let PerMillimeter(curvature) = self.curvature;
-        Millimeters(1.0 / curvature.abs())
-    }
 }

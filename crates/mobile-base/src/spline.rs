@@ -76,6 +76,14 @@ pub struct PathPoint {
     pub curvature: PerMillimeter,
 }
 
+impl PathPoint {
+    /// The radius of the bend, whichever way it goes; infinite on a straight.
+    #[must_use]
+    pub fn radius(&self) -> Millimeters {
+        Millimeters(1.0 / self.curvature.0.abs())
+    }
+}
+
 /// A curve through points, known by the way along it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spline {
