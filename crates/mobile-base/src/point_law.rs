@@ -3,7 +3,7 @@
 use units::{MmPerSec, PerSecond, RadPerSec, Radians};
 
 use crate::approach::Approach;
-use crate::polar::{Polar, PolarCommand};
+use crate::polar::{AT_TARGET, Polar, PolarCommand};
 use crate::pose::{PlanarPose, Point, one_turn};
 use crate::range::{OutOfRange, within};
 use crate::twist::BodyTwist;
@@ -110,14 +110,20 @@ impl PointLaw {
         heading: &HeadingReference,
     ) -> BodyTwist {
         let phi = pose.heading().0;
-        // Along the line to the target alpha is zero by choice of the course, and (5) is k_v f.
-        let polar = Polar::of(pose, target, Radians(0.0));
-        let (sin, cos) = (polar.theta().0 - phi).sin_cos();
-        let speed = self.gains.speed * self.gains.approach.share(polar.rho());
+        // Along the line to the target alpha is zero by choice of the course, and (5) is k_v f. The
+        // direction theta is needed only by its sine and cosine, which are y / rho and x / rho.
+        let rho = pose.position().distance_to(target);
+        let (x, y) = pose.position().to(target);
+        let speed_per_distance = if rho.0 < AT_TARGET {
+            0.0
+        } else {
+            self.gains.speed.0 * self.gains.approach.share(rho) / rho.0
+        };
+        let (sin, cos) = phi.sin_cos();
         let error = one_turn(phi - heading.angle.0);
         BodyTwist {
-            forward: speed * cos,
-            left: speed * sin,
+            forward: MmPerSec(speed_per_distance * (cos * x + sin * y)),
+            left: MmPerSec(speed_per_distance * (cos * y - sin * x)),
             turn: RadPerSec(heading.rate.0 - self.gains.turn.0 * error),
         }
     }

@@ -8,7 +8,7 @@ use crate::pose::{PlanarPose, Point, one_turn};
 use crate::range::{OutOfRange, within};
 
 /// Nearer than this, a nanometer, the direction to the target means nothing: the base is there.
-const AT_TARGET: f64 = 1e-6;
+pub(crate) const AT_TARGET: f64 = 1e-6;
 const MAX_DISTANCE: Millimeters = Millimeters(1e8);
 
 /// Distance and directions from the base to its target.
@@ -55,8 +55,7 @@ impl Polar {
     #[must_use]
     pub fn of(pose: PlanarPose, target: Point, course: Radians) -> Polar {
         let psi = pose.heading().0 + course.0;
-        let ((x, y), (to_x, to_y)) = (pose.position().xy(), target.xy());
-        let rho = (to_x - x).hypot(to_y - y);
+        let rho = pose.position().distance_to(target).0;
         if rho < AT_TARGET {
             return Polar {
                 rho: 0.0,
@@ -64,7 +63,8 @@ impl Polar {
                 theta: one_turn(psi),
             };
         }
-        let theta = (to_y - y).atan2(to_x - x);
+        let (x, y) = pose.position().to(target);
+        let theta = y.atan2(x);
         Polar {
             rho,
             alpha: one_turn(psi - theta),
