@@ -16,8 +16,8 @@ use mobile_base::{
 use units::{Degrees, Millimeters, MmPerSec, MmPerSec2, PerSecond, RadPerSec, Radians};
 
 const GOAL: f64 = 5e6;
-const STEPS: u32 = 2_000_000;
-const REPEATS: usize = 15;
+const STEPS: u32 = 500_000;
+const REPEATS: usize = 31;
 const STEP: Duration = Duration::from_millis(10);
 
 #[expect(clippy::print_stdout, reason = "the table is what this program is for")]
@@ -26,11 +26,13 @@ fn main() -> Result<()> {
     let law = law()?;
     let tracking = TrackingLaw::try_new([PerSecond(2.0); 3])?;
     println!(
-        "{STEPS} steps, median of {REPEATS} repeats, one core; the goal is {GOAL:.0} a second"
+        "steps a second on one core, {REPEATS} repeats of {STEPS} steps; the goal is {GOAL:.0}"
     );
-    let row = |name: &str, steps_a_second: f64| {
-        let ratio = steps_a_second / GOAL;
-        println!("{name:<40} {steps_a_second:>12.0} a second {ratio:>6.2}x");
+    println!("{:<40} {:>12} {:>7} {:>12}", "", "median", "", "best");
+    let row = |name: &str, rates: Rates| {
+        let Rates { median, best } = rates;
+        let ratio = median / GOAL;
+        println!("{name:<40} {median:>12.0} {ratio:>6.2}x {best:>12.0}");
     };
     let target = Point::try_new(Millimeters(0.0), Millimeters(0.0))?;
     let mode_1 = rate(|pose, _| {
@@ -56,6 +58,27 @@ fn main() -> Result<()> {
     Ok(())
 }
 
+/// Steps a second, over the repeats. The best one is what a core does that nobody else uses.
+struct Rates {
+    median: f64,
+    best: f64,
+}
+
+impl Rates {
+    fn of(mut run: impl FnMut() -> Result<f64>) -> Result<Rates> {
+        // Once to warm up.
+        let _ = run()?;
+        let mut rates = (0..REPEATS).map(|_| run()).collect::<Result<Vec<_>>>()?;
+        rates.sort_by(f64::total_cmp);
+        let (median, best) = (rates.get(REPEATS / 2), rates.last());
+        let (median, best) = median.zip(best).context("no repeats")?;
+        Ok(Rates {
+            median: *median,
+            best: *best,
+        })
+    }
+}
+
 /// Limits, wheels, and where the base is then.
 fn drive(base: &MecanumBase, pose: PlanarPose, wanted: &BodyTwist) -> Result<PlanarPose> {
     let wheels = base.inverse(&base.scale_to_limits(wanted)?.twist);
@@ -64,9 +87,9 @@ fn drive(base: &MecanumBase, pose: PlanarPose, wanted: &BodyTwist) -> Result<Pla
 }
 
 /// Steps a second. The base starts anew from time to time, so that it never just stands.
-fn rate(mut step: impl FnMut(PlanarPose, u32) -> Result<PlanarPose>) -> Result<f64> {
+fn rate(mut step: impl FnMut(PlanarPose, u32) -> Result<PlanarPose>) -> Result<Rates> {
     let start = PlanarPose::try_new(Millimeters(3000.0), Millimeters(-2000.0), Radians(0.4))?;
-    let mut run = || -> Result<f64> {
+    let run = || -> Result<f64> {
         let begun = Instant::now();
         let mut pose = start;
         for number in 0..STEPS {
@@ -78,10 +101,7 @@ fn rate(mut step: impl FnMut(PlanarPose, u32) -> Result<PlanarPose>) -> Result<f
         let _ = black_box(pose);
         Ok(f64::from(STEPS) / begun.elapsed().as_secs_f64())
     };
-    let _ = run()?;
-    let mut rates = (0..REPEATS).map(|_| run()).collect::<Result<Vec<_>>>()?;
-    rates.sort_by(f64::total_cmp);
-    rates.get(REPEATS / 2).copied().context("no repeats")
+    Rates::of(run)
 }
 
 fn circle(time: f64) -> Result<Reference> {
@@ -101,7 +121,7 @@ fn circle(time: f64) -> Result<Reference> {
 }
 
 /// The whole simulated robot: odometry with noise, guard, follower.
-fn robot_rate(base: MecanumBase) -> Result<f64> {
+fn robot_rate(base: MecanumBase) -> Result<Rates> {
     let follower = FollowerSettings {
         point_law: law()?,
         tracking_law: TrackingLaw::try_new([PerSecond(2.0); 3])?,
@@ -138,14 +158,16 @@ fn robot_rate(base: MecanumBase) -> Result<f64> {
     }
     robot.set_obstacles(obstacles);
     let route = Route::try_new(legs)?;
-    let begun = Instant::now();
-    for number in 0..STEPS {
-        if number % 2000 == 0 {
-            robot.start(route.clone())?;
+    Rates::of(|| {
+        let begun = Instant::now();
+        for number in 0..STEPS {
+            if number % 2000 == 0 {
+                robot.start(route.clone())?;
+            }
+            let _ = black_box(robot.step(STEP)?);
         }
-        let _ = black_box(robot.step(STEP)?);
-    }
-    Ok(f64::from(STEPS) / begun.elapsed().as_secs_f64())
+        Ok(f64::from(STEPS) / begun.elapsed().as_secs_f64())
+    })
 }
 
 fn base() -> Result<MecanumBase> {

@@ -31,7 +31,11 @@ enum Shape {
 
 /// The outline of the base, in its own frame.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Footprint(Polygon);
+pub struct Footprint {
+    outline: Polygon,
+    /// Of the farthest corner from the base's frame.
+    reach: f64,
+}
 
 impl Obstacle {
     /// A round obstacle.
@@ -70,13 +74,19 @@ impl Footprint {
     /// # Errors
     /// Not 3 to 256 corners.
     pub fn polygon(corners_B: Vec<Point>) -> Result<Footprint, OutOfRange> {
-        Polygon::try_new("corners of the footprint", corners_B).map(Footprint)
+        let outline = Polygon::try_new("corners of the footprint", corners_B)?;
+        let distances = outline.corners.iter().map(|corner| {
+            let (x, y) = corner.xy();
+            x.hypot(y)
+        });
+        let reach = distances.fold(0.0, f64::max);
+        Ok(Footprint { outline, reach })
     }
 
     /// The least distance between a base at `pose` and an obstacle; zero if they overlap.
     #[must_use]
     pub fn clearance(&self, pose: PlanarPose, obstacle: &Obstacle) -> Millimeters {
-        let outline = self.0.placed(pose);
+        let outline = self.outline.placed(pose);
         Millimeters(match &obstacle.0 {
             Shape::Disc { center, radius } => {
                 (outline.distance_to_point(*center) - radius).max(0.0)
@@ -97,11 +107,7 @@ impl Footprint {
     /// How far the farthest corner is from the base's frame.
     #[must_use]
     pub fn reach(&self) -> Millimeters {
-        let corners = self.0.corners.iter();
-        Millimeters(corners.fold(0.0, |reach, corner| {
-            let (x, y) = corner.xy();
-            f64::max(reach, x.hypot(y))
-        }))
+        Millimeters(self.reach)
     }
 }
 
