@@ -88,6 +88,22 @@ quantity!(
     MmPerSec, " mm/s"
 );
 quantity!(
+    /// An acceleration in millimeters a second squared.
+    MmPerSec2, " mm/s\u{b2}"
+);
+quantity!(
+    /// An angular speed in radians a second: the unit inside.
+    RadPerSec, " rad/s"
+);
+quantity!(
+    /// A rate of decay or a feedback gain: a share a second.
+    PerSecond, " /s"
+);
+quantity!(
+    /// A curvature: radians a millimeter of path.
+    PerMillimeter, " /mm"
+);
+quantity!(
     /// An angular speed in degrees a second, as data sheets give it.
     DegPerSec, "\u{b0}/s"
 );
@@ -108,6 +124,18 @@ impl From<Radians> for Degrees {
     }
 }
 
+impl From<DegPerSec> for RadPerSec {
+    fn from(speed: DegPerSec) -> Self {
+        Self(speed.0.to_radians())
+    }
+}
+
+impl From<RadPerSec> for DegPerSec {
+    fn from(speed: RadPerSec) -> Self {
+        Self(speed.0.to_degrees())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -125,8 +153,17 @@ mod tests {
     }
 
     #[test]
+    fn a_turn_a_second_is_two_pi_radians_a_second() {
+        let speed = RadPerSec::from(DegPerSec(360.0));
+        assert_eq!(speed, RadPerSec(std::f64::consts::TAU));
+        assert_eq!(DegPerSec::from(speed), DegPerSec(360.0));
+    }
+
+    #[test]
     fn values_print_with_their_unit() {
         assert_eq!(format!("{:.1}", Millimeters(12.345)), "12.3 mm");
         assert_eq!(format!("{:.1}", Degrees(-45.0)), "-45.0\u{b0}");
+        assert_eq!(format!("{:.2}", RadPerSec(0.125)), "0.12 rad/s");
+        assert_eq!(format!("{}", PerSecond(2.0)), "2 /s");
     }
 }
