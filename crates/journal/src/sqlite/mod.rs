@@ -87,7 +87,7 @@ impl SqliteJournal {
     /// Opens the journal at `path`, or makes one, and begins the next epoch. Beside it stand SQLite's own files and
     /// `PATH.lock`, which knows the epoch too and tells a journal that was replaced by an older one.
     ///
-    /// Must be called within a Tokio runtime.
+    /// Must be called within a Tokio runtime that has its timer enabled.
     ///
     /// # Errors
     /// [`OpenError`] if someone else has it open, if it would not be durable, or if it is damaged.
