@@ -81,7 +81,7 @@ async fn saturated(path: &Path, start: Instant) -> Outcomes {
         "appends a second, {WRITERS} writers:      {:.0}",
         f64::from(count) / seconds
     );
-    Ok(())
+    close(journal).await
 }
 
 async fn write(
@@ -143,10 +143,12 @@ async fn fill(journal: SqliteJournal, start: Instant) -> Outcomes {
     for writer in writers {
         writer.await??;
     }
-    Arc::into_inner(journal)
-        .ok_or("a writer still has the journal")?
-        .close()
-        .await;
+    close(journal).await
+}
+
+async fn close(journal: Arc<SqliteJournal>) -> Outcomes {
+    let journal = Arc::into_inner(journal).ok_or("a writer still has the journal")?;
+    journal.close().await;
     Ok(())
 }
 

@@ -1,6 +1,12 @@
 //! The process is killed at any moment; what it was told is durable is there.
 //!
 //! The child is this test binary, started again with the name of the test that plays it.
+#![allow(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    clippy::print_stdout,
+    reason = "a test's helpers fail as its tests do"
+)]
 
 mod common;
 

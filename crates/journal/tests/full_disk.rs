@@ -1,4 +1,9 @@
 //! A real "disk full": SQLite's own limit on the number of pages.
+#![allow(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    reason = "a test's helpers fail as its tests do"
+)]
 
 mod common;
 

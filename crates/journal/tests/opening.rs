@@ -1,4 +1,9 @@
 //! Who may open a journal, and what is found in it afterwards.
+#![allow(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    reason = "a test's helpers fail as its tests do"
+)]
 
 mod common;
 

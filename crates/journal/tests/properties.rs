@@ -1,4 +1,9 @@
 //! Random stories: the store on disk and the one in memory say the same, and what is written is read.
+#![allow(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    reason = "a test's helpers fail as its tests do"
+)]
 
 mod common;
 

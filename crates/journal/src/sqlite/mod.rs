@@ -58,13 +58,13 @@ pub enum History {
 }
 
 impl Default for SqliteOptions {
-    /// The filesystem is checked, 1,024 may wait, the last 10,000 are checked, as large as the disk.
+    /// The filesystem is checked, 1,024 may wait, the last 100,000 are checked (half a second), as large as the disk.
     fn default() -> Self {
         Self {
             filesystem: Filesystem::Checked,
             history: History::Whole,
             queue: 1_024,
-            verify_last: 10_000,
+            verify_last: 100_000,
             max_pages: None,
         }
     }
