@@ -192,3 +192,44 @@ async fn a_page_has_a_limit_and_the_journal_can_be_checked_while_it_is_open() {
     let report = verify(&path, Some(journal.head())).await.unwrap();
     assert_eq!(report.head, journal.head());
 }
+
+#[tokio::test]
+async fn a_journal_that_is_being_written_holds_at_every_moment() {
+    let (_directory, path) = directory();
+    let journal = open(&path).await;
+    let epoch = journal.epoch();
+    let write = async {
+        for n in 1..=100 {
+            let begun = journal.begin_motion(at(1), intent(epoch, n, None)).await;
+            assert!(begun.is_ok());
+        }
+    };
+    let check = async {
+        for _ in 0..10 {
+            let known = journal.head();
+            let report = verify(&path, Some(known)).await.unwrap();
+            assert!(report.head.position >= known.position);
+        }
+    };
+    let ((), ()) = tokio::join!(write, check);
+}
+
+#[tokio::test]
+async fn a_full_queue_is_said_at_once_and_the_journal_goes_on() {
+    let (_directory, path) = directory();
+    let narrow = SqliteOptions {
+        queue: 1,
+        ..options()
+    };
+    let journal = SqliteJournal::open(&path, &opening(), &narrow)
+        .await
+        .unwrap();
+    // The writer runs on the same thread, so it has not taken the first when the second comes.
+    let (first, second) = tokio::join!(
+        journal.append(at(1), audit(1)),
+        journal.append(at(1), audit(2))
+    );
+    assert!(first.is_ok());
+    assert!(matches!(second, Err(AppendError::Busy { capacity: 1 })));
+    assert!(journal.append(at(2), audit(2)).await.is_ok());
+}

@@ -50,7 +50,7 @@ enum Ending {
 }
 
 fn step() -> impl Strategy<Value = Step> {
-    let n = 1..6_u128;
+    let n = 1..10_u128;
     let key = proptest::option::of((0..8_u8, 0..2_u8));
     let completion = prop_oneof![
         Just(Completion::Observable),
@@ -71,7 +71,7 @@ fn step() -> impl Strategy<Value = Step> {
 
 fn steps() -> impl Strategy<Value = Vec<(Step, u64)>> {
     // The clock goes to and fro, over more than the age of a key.
-    proptest::collection::vec((step(), 0..300_u64), 1..40)
+    proptest::collection::vec((step(), 0..140_u64), 1..60)
 }
 
 fn record(step: Step, epoch: Epoch) -> Option<Record> {
@@ -122,7 +122,7 @@ async fn same(on_disk: &impl Journal, in_memory: &impl Journal, now: Clocks) {
         on_disk.open_jobs(start, 100).await.unwrap(),
         in_memory.open_jobs(start, 100).await.unwrap()
     );
-    for n in 1..6 {
+    for n in 1..10 {
         assert_eq!(
             on_disk.motion(motion(n)).await.unwrap(),
             in_memory.motion(motion(n)).await.unwrap()

@@ -326,13 +326,20 @@ fn read_lines(lines: &mut impl BufRead, number: &mut u64) -> Result<Vec<Row>, Ve
     Ok(page)
 }
 
+/// A connection that sees the journal as it is now, whatever is appended meanwhile.
 async fn read_only(path: &Path) -> Result<SqliteConnection, VerifyError> {
-    open::connect_options(path)
+    let open = |source| VerifyError::Open {
+        path: path.to_owned(),
+        source,
+    };
+    let mut connection = open::connect_options(path)
         .read_only(true)
         .connect()
         .await
-        .map_err(|source| VerifyError::Open {
-            path: path.to_owned(),
-            source,
-        })
+        .map_err(open)?;
+    let _done = sqlx::raw_sql("BEGIN")
+        .execute(&mut connection)
+        .await
+        .map_err(open)?;
+    Ok(connection)
 }

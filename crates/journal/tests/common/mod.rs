@@ -18,7 +18,7 @@ use uuid::Uuid;
 
 pub(crate) const KEYS: KeyRetention = KeyRetention {
     max_age_s: 100,
-    max_count: 5,
+    max_count: 3,
 };
 
 /// Seconds after an arbitrary moment.
