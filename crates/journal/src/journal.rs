@@ -1,0 +1,194 @@
+//! The trait: what the logic of motions and jobs needs of a journal.
+
+use std::future::Future;
+
+use crate::{
+    AppendError, Claim, Clocks, Epoch, Head, Intent, JobEntry, JobId, LookupError, MotionEntry,
+    MotionId, MotionPhase, Position, ReadError, Record, Stored,
+};
+
+/// Most records of one page.
+pub const MAX_PAGE: usize = 1_000;
+
+/// A journal that is open for writing; there is at most one of each.
+///
+/// Each method may be called from any task. A caller that goes away while it waits does not take its record with it:
+/// the record is kept or not, and a later read tells.
+pub trait Journal: Send + Sync + 'static {
+    /// The epoch of this opening.
+    fn epoch(&self) -> Epoch;
+
+    /// The last durable record. Kept elsewhere, it shows a cut or replaced end.
+    fn head(&self) -> Head;
+
+    /// Keeps a record; returns when it is durable.
+    ///
+    /// # Errors
+    /// [`AppendError`]; its [`effect`](AppendError::effect) says whether the record may be found later all the same.
+    fn append(
+        &self,
+        at: Clocks,
+        record: Record,
+    ) -> impl Future<Output = Result<Appended, AppendError>> + Send;
+
+    /// Up to `limit` (at most [`MAX_PAGE`]) records behind `after`, in their order.
+    ///
+    /// # Errors
+    /// [`ReadError`] if they cannot be read.
+    fn page(
+        &self,
+        after: Position,
+        limit: usize,
+    ) -> impl Future<Output = Result<Vec<Stored>, ReadError>> + Send;
+
+    /// What a key stands for, if it was used with this body and is not forgotten.
+    ///
+    /// # Errors
+    /// [`LookupError::Refused`] if it was used with another body, or stands for a motion that has no answer yet.
+    fn lookup(
+        &self,
+        claim: &Claim,
+        now: Clocks,
+    ) -> impl Future<Output = Result<Option<Replay>, LookupError>> + Send;
+
+    /// The records of a motion.
+    ///
+    /// # Errors
+    /// [`ReadError`] if they cannot be read.
+    fn motion(
+        &self,
+        motion: MotionId,
+    ) -> impl Future<Output = Result<Option<MotionStory>, ReadError>> + Send;
+
+    /// Up to `limit` (at most [`MAX_PAGE`]) motions that are in one of `phases`, whose intents stand behind `after`.
+    ///
+    /// After an opening, [`MotionPhase::Open`] and [`MotionPhase::Accepted`] are what the last process left behind.
+    ///
+    /// # Errors
+    /// [`ReadError`] if they cannot be read.
+    fn motions(
+        &self,
+        phases: &[MotionPhase],
+        after: Position,
+        limit: usize,
+    ) -> impl Future<Output = Result<Vec<MotionEntry>, ReadError>> + Send;
+
+    /// The places of a job's records.
+    ///
+    /// # Errors
+    /// [`ReadError`] if they cannot be read.
+    fn job(&self, job: JobId) -> impl Future<Output = Result<Option<JobEntry>, ReadError>> + Send;
+
+    /// Up to `limit` (at most [`MAX_PAGE`]) jobs that have not ended and were created behind `after`.
+    ///
+    /// # Errors
+    /// [`ReadError`] if they cannot be read.
+    fn open_jobs(
+        &self,
+        after: Position,
+        limit: usize,
+    ) -> impl Future<Output = Result<Vec<JobEntry>, ReadError>> + Send;
+
+    /// Keeps an intent, and returns the permission to send it once it is durable.
+    ///
+    /// # Errors
+    /// As [`append`](Self::append).
+    fn begin_motion(
+        &self,
+        at: Clocks,
+        intent: Intent,
+    ) -> impl Future<Output = Result<Begun, AppendError>> + Send {
+        async move {
+            let motion = intent.motion;
+            let appended = self.append(at, Record::Intent(Box::new(intent))).await?;
+            Ok(match appended {
+                Appended::New(receipt) => Begun::New(DurableIntent { motion, receipt }),
+                Appended::Replayed(replay) => Begun::Replayed(replay),
+            })
+        }
+    }
+}
+
+/// What became of an append.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub enum Appended {
+    /// The record is durable.
+    New(Receipt),
+    /// Its key stands for an earlier one; nothing was written.
+    Replayed(Box<Replay>),
+}
+
+/// What became of a motion's beginning.
+#[derive(Debug)]
+pub enum Begun {
+    /// The intent is durable: it may be sent, once.
+    New(DurableIntent),
+    /// Its key stands for an earlier one: nothing is to be sent.
+    Replayed(Box<Replay>),
+}
+
+/// Where a durable record stands.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub struct Receipt {
+    /// Its place and its hash.
+    pub head: Head,
+    /// The epoch it was written in.
+    pub epoch: Epoch,
+}
+
+/// The permission to send a motion: there is none without a durable intent, and none twice.
+///
+/// Only the journal makes one, and it cannot be copied.
+///
+/// ```compile_fail
+/// fn twice(intent: journal::DurableIntent) {
+///     let send = |_: journal::DurableIntent| ();
+///     send(intent);
+///     send(intent);
+/// }
+/// ```
+#[derive(Debug)]
+pub struct DurableIntent {
+    motion: MotionId,
+    receipt: Receipt,
+}
+
+/// What an idempotency key stands for.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub struct Replay {
+    /// The record that took the key: an intent or the creation of a job.
+    pub first: Stored,
+    /// The motion's acceptance, where the first record is an intent.
+    pub accepted: Option<Stored>,
+    /// The motion's latest outcome, where the first record is an intent.
+    pub outcome: Option<Stored>,
+}
+
+/// The records of one motion.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub struct MotionStory {
+    /// How far it has come.
+    pub phase: MotionPhase,
+    /// Its intent.
+    pub intent: Stored,
+    /// Its acceptance.
+    pub accepted: Option<Stored>,
+    /// Its latest outcome.
+    pub outcome: Option<Stored>,
+    /// The decision about it.
+    pub decision: Option<Stored>,
+}
+
+impl DurableIntent {
+    /// The motion.
+    #[must_use]
+    pub fn motion(&self) -> MotionId {
+        self.motion
+    }
+
+    /// Where its intent stands.
+    #[must_use]
+    pub fn receipt(&self) -> Receipt {
+        self.receipt
+    }
+}

@@ -1,0 +1,325 @@
+//! The disk under the in-memory journal, and what may happen to it.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use tokio::sync::oneshot;
+
+use super::MemoryOpenError;
+use crate::error::Cause;
+use crate::index::Index;
+use crate::rules::Verdict;
+use crate::{
+    AppendError, Appended, Clocks, Effect, Epoch, Head, KeyEntry, Opening, Position, Receipt,
+    Record, Refusal, Row, ServerStarted, Stored, Walker,
+};
+
+/// A disk that outlives the journals opened on it, one after the other.
+#[derive(Clone, Debug, Default)]
+pub struct MemoryDisk(Arc<Mutex<State>>);
+
+/// What happens at a write.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub enum Fault {
+    /// It fails and keeps nothing: a full disk.
+    Refuse,
+    /// It fails, and yet the record is there after the next opening: a failed fsync.
+    RefuseAndKeep,
+    /// The power goes before it is durable.
+    PowerLossBefore,
+    /// The power goes after it is durable and before anyone hears of it.
+    PowerLossAfter,
+}
+
+#[derive(Debug, Default)]
+pub(super) struct State {
+    rows: Vec<Row>,
+    durable: Index,
+    /// The durable records and those that wait for their sync.
+    ahead: Index,
+    ahead_head: Head,
+    waiting: Vec<Waiting>,
+    holding: Holding,
+    faults: BTreeMap<u64, Fault>,
+    writes: u64,
+    openings: u64,
+    open: Option<u64>,
+    poison: Option<Cause>,
+}
+
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
+enum Holding {
+    #[default]
+    Syncing,
+    Held,
+}
+
+type Answer = oneshot::Sender<Result<Appended, AppendError>>;
+
+#[derive(Debug)]
+enum Waiting {
+    Write(Row, Box<Stored>, Answer),
+    Replay(KeyEntry, Answer),
+}
+
+pub(super) enum Wait {
+    Ready(Appended),
+    Held(oneshot::Receiver<Result<Appended, AppendError>>),
+}
+
+impl MemoryDisk {
+    /// An empty disk.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Lets something happen at a write: 1 is the first one of this disk. An opening writes one record.
+    pub fn fail_write(&self, nth: u64, fault: Fault) {
+        let _before = self.lock().faults.insert(nth, fault);
+    }
+
+    /// How many writes there were, those that failed among them.
+    #[must_use]
+    pub fn writes(&self) -> u64 {
+        self.lock().writes
+    }
+
+    /// From here on writes wait for their sync, as on a disk that stalls.
+    pub fn hold_syncs(&self) {
+        self.lock().holding = Holding::Held;
+    }
+
+    /// Makes durable what waits, in its order, and holds no more.
+    pub fn release_syncs(&self) {
+        self.lock().release();
+    }
+
+    /// What is not durable is gone, and the journal that was open is dead.
+    pub fn lose_power(&self) {
+        self.lock().lose_power();
+    }
+
+    /// The durable records.
+    #[must_use]
+    pub fn rows(&self) -> Vec<Row> {
+        self.lock().rows.clone()
+    }
+
+    pub(super) fn lock(&self) -> MutexGuard<'_, State> {
+        // Of use to tests only, and a test that has panicked has failed.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl State {
+    pub(super) fn open(&mut self, opening: &Opening) -> Result<(u64, Epoch), MemoryOpenError> {
+        if self.open.is_some() {
+            return Err(MemoryOpenError::InUse);
+        }
+        let mut walker = Walker::new(Head::EMPTY);
+        for row in &self.rows {
+            let _stored = walker.step(row).map_err(MemoryOpenError::Broken)?;
+        }
+        self.ahead = self.durable.clone();
+        self.ahead_head = walker.head();
+        self.poison = None;
+        self.openings += 1;
+        self.open = Some(self.openings);
+        let started = ServerStarted {
+            epoch: Epoch(self.durable.epoch.0 + 1),
+            program: opening.program.clone(),
+            keys: opening.keys,
+        };
+        self.ahead.start(&started);
+        let epoch = started.epoch;
+        let stored = Stored {
+            position: self.ahead_head.position.next(),
+            epoch,
+            at: opening.at,
+            record: Record::ServerStarted(started),
+        };
+        let written = self.encode(stored).map_err(AppendError::Refused);
+        let written = written.and_then(|(row, stored)| self.write(row, &stored));
+        if let Err(error) = written {
+            self.open = None;
+            return Err(MemoryOpenError::Write(error));
+        }
+        Ok((self.openings, epoch))
+    }
+
+    pub(super) fn is_open(&self, opening: u64) -> bool {
+        self.open == Some(opening)
+    }
+
+    pub(super) fn close(&mut self, opening: u64) {
+        if self.is_open(opening) {
+            self.release();
+            self.open = None;
+        }
+    }
+
+    pub(super) fn head(&self) -> Head {
+        self.rows.last().map_or(Head::EMPTY, |row| Head {
+            position: row.position,
+            hash: row.hash,
+        })
+    }
+
+    #[cfg(test)]
+    pub(super) fn waiting(&self) -> usize {
+        self.waiting.len()
+    }
+
+    pub(super) fn rows(&self) -> &[Row] {
+        &self.rows
+    }
+
+    pub(super) fn row(&self, position: Position) -> Option<&Row> {
+        let index = usize::try_from(position.0.checked_sub(1)?).ok()?;
+        self.rows.get(index)
+    }
+
+    pub(super) fn durable(&self) -> &Index {
+        &self.durable
+    }
+
+    pub(super) fn append(
+        &mut self,
+        opening: u64,
+        at: Clocks,
+        record: Record,
+    ) -> Result<Wait, AppendError> {
+        if !self.is_open(opening) {
+            return Err(AppendError::Closed {
+                effect: Effect::None,
+            });
+        }
+        if let Some(cause) = &self.poison {
+            return Err(AppendError::Poisoned(Arc::clone(cause)));
+        }
+        let position = self.ahead_head.position.next();
+        let verdict = self.ahead.judge(&record, at, position);
+        let change = match verdict.map_err(AppendError::Refused)? {
+            Verdict::Keep(change) => change,
+            Verdict::Replay(entry) => {
+                // What waits for its sync is not promised to anyone yet.
+                if self.holding == Holding::Held {
+                    let (answer, wait) = oneshot::channel();
+                    self.waiting.push(Waiting::Replay(entry, answer));
+                    return Ok(Wait::Held(wait));
+                }
+                return self.replayed(&entry).map(Wait::Ready);
+            }
+        };
+        let stored = Stored {
+            position,
+            epoch: self.ahead.epoch,
+            at,
+            record,
+        };
+        let (row, stored) = self.encode(stored).map_err(AppendError::Refused)?;
+        self.ahead.apply(change, &at);
+        if self.holding == Holding::Held {
+            self.ahead_head = head_of(&row);
+            let (answer, wait) = oneshot::channel();
+            self.waiting
+                .push(Waiting::Write(row, Box::new(stored), answer));
+            return Ok(Wait::Held(wait));
+        }
+        self.write(row, &stored).map(Wait::Ready)
+    }
+
+    fn encode(&self, stored: Stored) -> Result<(Row, Stored), Refusal> {
+        let body = stored.encode().map_err(Refusal::TooLarge)?.into_bytes();
+        let head = self.ahead_head.extend(&body);
+        let row = Row {
+            position: head.position,
+            previous: self.ahead_head.hash,
+            body,
+            hash: head.hash,
+        };
+        Ok((row, stored))
+    }
+
+    /// Makes a record durable, or lets happen what was asked for.
+    fn write(&mut self, row: Row, stored: &Stored) -> Result<Appended, AppendError> {
+        if let Some(cause) = &self.poison {
+            return Err(AppendError::Poisoned(Arc::clone(cause)));
+        }
+        self.writes += 1;
+        let fault = self.faults.remove(&self.writes);
+        let receipt = Receipt {
+            head: head_of(&row),
+            epoch: stored.epoch,
+        };
+        let kept = match fault {
+            None | Some(Fault::RefuseAndKeep | Fault::PowerLossAfter) => true,
+            Some(Fault::Refuse | Fault::PowerLossBefore) => false,
+        };
+        if kept {
+            self.ahead_head = receipt.head;
+            self.rows.push(row);
+            self.durable
+                .replay(stored)
+                .expect("a record that was judged once is judged the same again");
+        }
+        match fault {
+            None => Ok(Appended::New(receipt)),
+            Some(Fault::Refuse) => Err(self.fail("writing", Effect::None)),
+            Some(Fault::RefuseAndKeep) => Err(self.fail("syncing", Effect::Unknown)),
+            Some(Fault::PowerLossBefore | Fault::PowerLossAfter) => {
+                self.lose_power();
+                Err(AppendError::Closed {
+                    effect: Effect::Unknown,
+                })
+            }
+        }
+    }
+
+    fn fail(&mut self, step: &'static str, effect: Effect) -> AppendError {
+        let source: Cause = Arc::new(io::Error::other("an injected fault"));
+        self.poison = Some(Arc::clone(&source));
+        AppendError::Failed {
+            step,
+            effect,
+            source,
+        }
+    }
+
+    fn release(&mut self) {
+        self.holding = Holding::Syncing;
+        for waiting in std::mem::take(&mut self.waiting) {
+            let (answer, appended) = match waiting {
+                Waiting::Write(row, stored, answer) => (answer, self.write(row, &stored)),
+                Waiting::Replay(entry, answer) => (answer, self.replayed(&entry)),
+            };
+            // Whoever has gone away learns it from a read.
+            let _gone = answer.send(appended);
+        }
+    }
+
+    fn replayed(&self, entry: &KeyEntry) -> Result<Appended, AppendError> {
+        let replay = self.replay(entry).map_err(|error| AppendError::Failed {
+            step: "reading what the key stands for",
+            effect: Effect::None,
+            source: Arc::new(error),
+        })?;
+        Ok(Appended::Replayed(Box::new(replay)))
+    }
+
+    fn lose_power(&mut self) {
+        // Dropping the answers tells those who wait.
+        self.waiting.clear();
+        self.holding = Holding::Syncing;
+        self.open = None;
+    }
+}
+
+fn head_of(row: &Row) -> Head {
+    Head {
+        position: row.position,
+        hash: row.hash,
+    }
+}

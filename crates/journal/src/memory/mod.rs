@@ -1,0 +1,196 @@
+//! A journal without a disk, for tests of logic: same rules, same chain, and every failure at will.
+
+mod disk;
+#[cfg(test)]
+mod tests;
+
+use std::sync::Arc;
+
+use thiserror::Error;
+use tokio::sync::oneshot;
+
+pub use disk::{Fault, MemoryDisk};
+use disk::{State, Wait};
+
+use crate::error::check_limit;
+use crate::rules::judge_claim;
+use crate::{
+    AppendError, Appended, Broken, Claim, Clocks, Effect, Epoch, Head, JobEntry, JobId, Journal,
+    KeyEntry, LookupError, MotionEntry, MotionId, MotionPhase, MotionStory, Opening, Position,
+    ReadError, Record, Replay, Stored,
+};
+
+/// A journal on a [`MemoryDisk`].
+#[derive(Debug)]
+pub struct MemoryJournal {
+    disk: MemoryDisk,
+    /// The opening this journal is; the disk's may be a later one.
+    opening: u64,
+    epoch: Epoch,
+}
+
+/// The journal was not opened.
+#[derive(Debug, Error)]
+pub enum MemoryOpenError {
+    /// Another one is open on the same disk.
+    #[error("another journal is open on this disk")]
+    InUse,
+    /// What is on the disk does not hold.
+    #[error("the journal is damaged")]
+    Broken(#[source] Broken),
+    /// The opening itself could not be written.
+    #[error("writing the opening")]
+    Write(#[source] AppendError),
+}
+
+impl MemoryJournal {
+    /// Opens the journal on `disk`: checks the chain, and begins the next epoch.
+    ///
+    /// # Errors
+    /// [`MemoryOpenError`] if it is open already, damaged, or an injected fault hits the opening.
+    pub fn open(disk: &MemoryDisk, opening: &Opening) -> Result<Self, MemoryOpenError> {
+        let (number, epoch) = disk.lock().open(opening)?;
+        Ok(Self {
+            disk: disk.clone(),
+            opening: number,
+            epoch,
+        })
+    }
+
+    fn with<T>(&self, read: impl FnOnce(&State) -> Result<T, ReadError>) -> Result<T, ReadError> {
+        let state = self.disk.lock();
+        if state.is_open(self.opening) {
+            read(&state)
+        } else {
+            Err(ReadError::Closed)
+        }
+    }
+}
+
+impl Drop for MemoryJournal {
+    fn drop(&mut self) {
+        self.disk.lock().close(self.opening);
+    }
+}
+
+impl Journal for MemoryJournal {
+    fn epoch(&self) -> Epoch {
+        self.epoch
+    }
+
+    fn head(&self) -> Head {
+        self.disk.lock().head()
+    }
+
+    async fn append(&self, at: Clocks, record: Record) -> Result<Appended, AppendError> {
+        let wait = self.disk.lock().append(self.opening, at, record)?;
+        match wait {
+            Wait::Ready(appended) => Ok(appended),
+            Wait::Held(answer) => held(answer).await,
+        }
+    }
+
+    async fn page(&self, after: Position, limit: usize) -> Result<Vec<Stored>, ReadError> {
+        check_limit(limit)?;
+        self.with(|state| {
+            let rows = state.rows().iter().filter(|row| row.position > after);
+            rows.take(limit)
+                .map(|row| state.read(row.position))
+                .collect()
+        })
+    }
+
+    async fn lookup(&self, claim: &Claim, now: Clocks) -> Result<Option<Replay>, LookupError> {
+        self.with(|state| {
+            let index = state.durable();
+            let known = index.key_facts(claim);
+            match judge_claim(claim, known.as_ref(), index.keys, &now) {
+                Ok(None) => Ok(Ok(None)),
+                Ok(Some(entry)) => state.replay(&entry).map(|replay| Ok(Some(replay))),
+                Err(refusal) => Ok(Err(LookupError::Refused(refusal))),
+            }
+        })
+        .map_err(LookupError::Read)?
+    }
+
+    async fn motion(&self, motion: MotionId) -> Result<Option<MotionStory>, ReadError> {
+        self.with(|state| {
+            let Some(entry) = state.durable().motions.get(&motion) else {
+                return Ok(None);
+            };
+            let read = |position: Option<Position>| position.map(|at| state.read(at)).transpose();
+            Ok(Some(MotionStory {
+                phase: entry.phase,
+                intent: state.read(entry.intent)?,
+                accepted: read(entry.accepted)?,
+                outcome: read(entry.outcome)?,
+                decision: read(entry.decision)?,
+            }))
+        })
+    }
+
+    async fn motions(
+        &self,
+        phases: &[MotionPhase],
+        after: Position,
+        limit: usize,
+    ) -> Result<Vec<MotionEntry>, ReadError> {
+        check_limit(limit)?;
+        self.with(|state| {
+            let motions = state.durable().motions.values();
+            let mut found: Vec<_> = motions
+                .filter(|entry| entry.intent > after && phases.contains(&entry.phase))
+                .copied()
+                .collect();
+            found.sort_by_key(|entry| entry.intent);
+            found.truncate(limit);
+            Ok(found)
+        })
+    }
+
+    async fn job(&self, job: JobId) -> Result<Option<JobEntry>, ReadError> {
+        self.with(|state| Ok(state.durable().jobs.get(&job).copied()))
+    }
+
+    async fn open_jobs(&self, after: Position, limit: usize) -> Result<Vec<JobEntry>, ReadError> {
+        check_limit(limit)?;
+        self.with(|state| {
+            let jobs = state.durable().jobs.values();
+            let mut found: Vec<_> = jobs
+                .filter(|entry| entry.created > after && entry.ended.is_none())
+                .copied()
+                .collect();
+            found.sort_by_key(|entry| entry.created);
+            found.truncate(limit);
+            Ok(found)
+        })
+    }
+}
+
+async fn held(
+    answer: oneshot::Receiver<Result<Appended, AppendError>>,
+) -> Result<Appended, AppendError> {
+    answer.await.unwrap_or(Err(AppendError::Closed {
+        effect: Effect::Unknown,
+    }))
+}
+
+impl State {
+    fn read(&self, position: Position) -> Result<Stored, ReadError> {
+        let row = self.row(position).ok_or(ReadError::Absent { position })?;
+        Stored::decode(&row.body)
+            .map_err(|source| ReadError::Broken(Arc::new(Broken::Unreadable { position, source })))
+    }
+
+    fn replay(&self, entry: &KeyEntry) -> Result<Replay, ReadError> {
+        let motion = entry
+            .motion
+            .and_then(|motion| self.durable().motions.get(&motion));
+        let read = |position: Option<Position>| position.map(|at| self.read(at)).transpose();
+        Ok(Replay {
+            first: self.read(entry.position)?,
+            accepted: read(motion.and_then(|motion| motion.accepted))?,
+            outcome: read(motion.and_then(|motion| motion.outcome))?,
+        })
+    }
+}
