@@ -72,7 +72,7 @@ impl fmt::Debug for TcpConnector {
 ///
 /// A seed controller takes one connection a command, so opening one is most of what a command costs. Where the
 /// handshake is over when `connect` returns, as on one machine, nothing is waited for: neither for the connection nor
-/// for room to write the one command. That is worth a fifth of the throughput.
+/// for room to write the one command. `docs/benchmarks.md` says what that is worth.
 #[derive(Debug)]
 pub struct TcpConnection {
     stream: TcpStream,
