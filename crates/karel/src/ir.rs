@@ -104,6 +104,8 @@ pub(crate) enum Rare {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Outward {
+    /// A routine of another program, by a row of the table of externals.
+    CallExternal(u32),
     /// A function reached its END.
     MissingReturn,
     /// No CASE matched.
@@ -142,13 +144,31 @@ pub(crate) struct Code {
     pub(crate) builtins: Vec<BuiltinSite>,
     pub(crate) reads: Vec<ReadShape>,
     pub(crate) writes: Vec<WriteShape>,
+    /// Routines of other programs that are called.
+    pub(crate) externals: Vec<External>,
     /// The main body first.
     pub(crate) routines: Vec<RoutineCode>,
+}
+
+/// A routine of another program as its caller declares it.
+#[derive(Clone, Debug)]
+pub(crate) struct External {
+    pub(crate) program: String,
+    pub(crate) routine: String,
+    pub(crate) signature: Signature,
+}
+
+/// Types of the parameters and of the result. Those of a caller and of the routine must be equal.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Signature {
+    pub(crate) params: Vec<Type>,
+    pub(crate) result: Option<Type>,
 }
 
 #[derive(Debug)]
 pub(crate) struct RoutineCode {
     pub(crate) name: Arc<str>,
+    pub(crate) signature: Signature,
     pub(crate) entry: u32,
     /// Arguments that the caller leaves on the stack.
     pub(crate) args: u32,

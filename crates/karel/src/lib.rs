@@ -74,6 +74,7 @@ mod check;
 mod diagnostic;
 mod error;
 mod host;
+mod include;
 mod ir;
 mod lexer;
 mod lower;
@@ -100,6 +101,7 @@ pub use host::{
     FileId, Host, Input, InputEnd, MotionId, MotionRequest, MoveEnd, OpenMode, Progress, TaskId,
     Wait,
 };
+pub use include::{IncludeFile, IncludeFiles, Includes};
 pub use machine::{LoadError, Machine, StartError};
 pub use position::{Config, Elbow, Front, Position, Wrist, Xyzwpr, XyzwprExt};
 pub use program::{Program, syntax_tree};

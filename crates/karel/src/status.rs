@@ -35,6 +35,8 @@ impl Status {
     pub const INTP_SUBSCRIPT: Status = Status(12310);
     /// INTP-311: uninitialized data is used.
     pub const INTP_UNINIT: Status = Status(12311);
+    /// INTP-316: a routine or program cannot be called.
+    pub const INTP_CALL_FAILED: Status = Status(12316);
     /// INTP-319: the type of a value does not fit.
     pub const INTP_TYPE: Status = Status(12319);
     /// INTP-320: the built-in does not exist on this controller.

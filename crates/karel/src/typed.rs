@@ -4,6 +4,7 @@
 use crate::{
     ast::{Direction, Relation, Waits},
     builtins::Builtin,
+    ir::Signature,
     span::Span,
     types::Type,
     value::Text,
@@ -18,7 +19,7 @@ pub(crate) struct Routine {
     pub(crate) first_local: u32,
     /// Cells of FILE locals, which are closed when the routine returns.
     pub(crate) files: Vec<u32>,
-    pub(crate) result: Option<Type>,
+    pub(crate) signature: Signature,
     pub(crate) labels: u32,
     pub(crate) body: Vec<Stmt>,
     pub(crate) end: Span,
@@ -224,9 +225,18 @@ pub(crate) enum SystemStep {
 
 #[derive(Debug)]
 pub(crate) struct Call {
-    pub(crate) routine: u32,
+    pub(crate) callee: Callee,
     pub(crate) args: Vec<Arg>,
     pub(crate) result: Option<Type>,
+}
+
+/// Which routine is called.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Callee {
+    /// By its number among the routines of the program.
+    Here(u32),
+    /// By a row of the table of externals.
+    External(u32),
 }
 
 #[derive(Debug)]

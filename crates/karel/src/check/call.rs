@@ -4,8 +4,9 @@ use super::{Checker, Home, Signature};
 use crate::{
     ast::{self, Name},
     builtins::{self, Builtin, Param, Returns},
+    ir::{self, External},
     span::Span,
-    typed::{Arg, BuiltinCall, Call, Expr, ExprKind, StmtKind},
+    typed::{Arg, BuiltinCall, Call, Callee, Expr, ExprKind, StmtKind},
     types::{PositionKind, TextLength, Type},
 };
 
@@ -95,17 +96,10 @@ impl Checker<'_> {
         name: &Name,
         args: &[ast::Expr],
     ) -> Option<Call> {
-        let routine = match &signature.home {
-            Home::Here(routine) => *routine,
+        let callee = match &signature.home {
+            Home::Here(routine) => Callee::Here(*routine),
             Home::Promised => return None,
-            Home::External(program) => {
-                let message = format!(
-                    "calling `{}` of program {program} is not supported yet",
-                    name.text
-                );
-                self.reports.error(name.span, message);
-                return None;
-            }
+            Home::External(program) => Callee::External(self.external(program, signature)),
         };
         if args.len() != signature.params.len() {
             self.wrong_count(
@@ -123,10 +117,28 @@ impl Checker<'_> {
             .map(|(arg, (_, formal))| self.user_arg(arg, formal));
         let args: Vec<Arg> = checked.collect();
         Some(Call {
-            routine,
+            callee,
             args,
             result: signature.result.clone(),
         })
+    }
+
+    /// The row of a routine of another program; it is looked for when programs are loaded.
+    fn external(&mut self, program: &str, signature: &Signature) -> u32 {
+        let mut known = self.externals.iter();
+        let known = known.position(|known| known.routine == signature.name);
+        let row = known.unwrap_or_else(|| {
+            self.externals.push(External {
+                program: program.to_owned(),
+                routine: signature.name.clone(),
+                signature: ir::Signature {
+                    params: signature.types(),
+                    result: signature.result.clone(),
+                },
+            });
+            self.externals.len() - 1
+        });
+        u32::try_from(row).unwrap_or(u32::MAX)
     }
 
     fn wrong_count(&mut self, name: &Name, given: usize, least: usize, most: usize) {

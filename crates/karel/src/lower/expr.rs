@@ -4,7 +4,9 @@ use super::{Lowering, add_row, count};
 use crate::{
     ast::Relation,
     ir::{BuiltinSite, Op, Outward, Rare},
-    typed::{Arg, BuiltinCall, Call, Constant, Expr, ExprKind, Op as BinaryOp, SystemPlace},
+    typed::{
+        Arg, BuiltinCall, Call, Callee, Constant, Expr, ExprKind, Op as BinaryOp, SystemPlace,
+    },
     types::{TextLength, Type},
     value::Text,
 };
@@ -146,7 +148,10 @@ impl Lowering<'_> {
         for arg in &call.args {
             self.argument(arg);
         }
-        self.emit(Op::Call(call.routine));
+        self.emit(match call.callee {
+            Callee::Here(routine) => Op::Call(routine),
+            Callee::External(row) => Op::Outward(Outward::CallExternal(row)),
+        });
     }
 
     pub(super) fn builtin(&mut self, call: &BuiltinCall) {

@@ -5,6 +5,7 @@ mod calls;
 pub(crate) mod cell;
 mod exec;
 pub(crate) mod fault;
+mod link;
 mod operands;
 mod outward;
 mod system;
@@ -23,6 +24,7 @@ use crate::{
 };
 use cell::{Cell, FileCell};
 use exec::{Exec, Stop};
+use link::Link;
 
 pub(crate) use arithmetic::finite;
 use fault::Fault;
@@ -48,6 +50,8 @@ pub(crate) struct Loaded {
     program: Program,
     /// Where its variables start in `globals`.
     base: u32,
+    /// Where its external routines are; `None` while their program is not loaded.
+    links: Vec<Option<Link>>,
 }
 
 /// Why a program cannot be loaded.
@@ -59,6 +63,18 @@ pub enum LoadError {
     /// The machine's limit.
     #[error("{0} programs are loaded, which is the limit")]
     TooMany(usize),
+    /// Two programs disagree about a routine that one calls and the other has.
+    #[error(
+        "{caller} declares the routine {routine} FROM {program} with other parameters or another result"
+    )]
+    Signature {
+        /// The program that declares it with FROM.
+        caller: String,
+        /// The routine.
+        routine: String,
+        /// The program that has its body.
+        program: String,
+    },
 }
 
 /// Why a program cannot be started.
@@ -108,6 +124,7 @@ impl Machine {
         if self.programs.len() >= self.limits.programs {
             return Err(LoadError::TooMany(self.programs.len()));
         }
+        let links = self.link(&program)?;
         let base = self.globals.len();
         self.globals
             .resize(base + program.global_cells as usize, Cell::Uninit);
@@ -117,7 +134,11 @@ impl Machine {
             }
         }
         let base = u32::try_from(base).unwrap_or(u32::MAX);
-        self.programs.push(Loaded { program, base });
+        self.programs.push(Loaded {
+            program,
+            base,
+            links,
+        });
         Ok(())
     }
 
@@ -217,7 +238,7 @@ impl Machine {
             Stop::Blocked(wait) => Run::Blocked(wait),
             Stop::Ended => Run::Ended,
             Stop::Failed(fault) => {
-                let error = runtime_error(fault, task, &loaded.program);
+                let error = runtime_error(fault, task, &self.programs);
                 host.post_alarm(id, &error);
                 Run::Aborted(error)
             }
@@ -236,7 +257,7 @@ impl Machine {
     pub fn task(&self, id: TaskId) -> Option<TaskView> {
         let task = self.tasks.get(&id)?;
         let program = &self.programs.get(task.program)?.program;
-        let calls = call_stack(task, program);
+        let calls = call_stack(task, &self.programs);
         Some(TaskView {
             name: task.name.clone(),
             program: program.name_arc(),
@@ -309,29 +330,34 @@ fn open_file(cell: &Cell) -> Option<crate::host::FileId> {
 }
 
 /// The call stack, innermost first. A caller's counter is already behind its call.
-fn call_stack(task: &Task, program: &Program) -> Vec<CallSite> {
-    let site = |routine: u32, pc: usize| CallSite {
-        program: program.name_arc(),
-        routine: program
-            .code
-            .routines
-            .get(routine as usize)
-            .map_or_else(|| program.name_arc(), |routine| routine.name.clone()),
-        line: program.code.lines.get(pc).copied().unwrap_or(0),
+fn call_stack(task: &Task, programs: &[Loaded]) -> Vec<CallSite> {
+    let site = |program: usize, routine: u32, pc: usize| {
+        let program = &programs.get(program)?.program;
+        let code = program.code.routines.get(routine as usize);
+        Some(CallSite {
+            program: program.name_arc(),
+            routine: code.map_or_else(|| program.name_arc(), |code| code.name.clone()),
+            line: program.code.lines.get(pc).copied().unwrap_or(0),
+        })
     };
-    let innermost = site(task.routine, task.pc);
+    let innermost = site(task.program, task.routine, task.pc);
     let callers = task.callers.iter().rev();
-    let callers = callers.map(|caller| site(caller.routine, caller.pc.saturating_sub(1)));
-    std::iter::once(innermost).chain(callers).collect()
+    let callers =
+        callers.map(|caller| site(caller.program, caller.routine, caller.pc.saturating_sub(1)));
+    std::iter::once(innermost)
+        .chain(callers)
+        .flatten()
+        .collect()
 }
 
-fn runtime_error(fault: Fault, task: &Task, program: &Program) -> RuntimeError {
-    let calls = call_stack(task, program);
+fn runtime_error(fault: Fault, task: &Task, programs: &[Loaded]) -> RuntimeError {
+    let calls = call_stack(task, programs);
+    let innermost = calls.first();
     RuntimeError {
         status: fault.status,
         message: fault.message.into_owned(),
-        program: program.name_arc(),
-        line: calls.first().map_or(0, |innermost| innermost.line),
+        program: innermost.map_or_else(|| task.name.clone(), |site| site.program.clone()),
+        line: innermost.map_or(0, |site| site.line),
         calls,
     }
 }

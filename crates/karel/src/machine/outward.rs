@@ -20,6 +20,7 @@ impl Exec<'_> {
     #[inline(never)]
     pub(super) fn outward(&mut self, op: Outward) -> Result<Flow, Fault> {
         match op {
+            Outward::CallExternal(row) => self.call_external(row),
             Outward::MissingReturn => Err(Fault::new(
                 Status::INTP_MISSING_RETURN,
                 "END of a function without RETURN",

@@ -324,7 +324,7 @@ enum Place {
     Routine,
 }
 
-fn directive(text: &[u8], span: Span) -> Directive {
+pub(super) fn directive(text: &[u8], span: Span) -> Directive {
     let text = latin1(text);
     let word_end = text.find([' ', '\t', '=']).unwrap_or(text.len());
     let (name, rest) = text.split_at_checked(word_end).unwrap_or((&text, ""));
