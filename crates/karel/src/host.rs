@@ -197,6 +197,9 @@ pub trait Host {
     /// Status 0 when the motion met its termination criterion; another status ends the task.
     fn motion_ended(&mut self, motion: MotionId) -> Progress<Status>;
 
+    /// Cancels what a task moves; another task aborted it and wants that.
+    fn cancel_motions(&mut self, _task: TaskId) {}
+
     /// The machine reports the error that ends a task. Called once for each such end.
     fn post_alarm(&mut self, task: TaskId, alarm: &RuntimeError);
 }

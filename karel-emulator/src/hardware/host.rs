@@ -108,6 +108,10 @@ impl Host for Hardware {
         self.outcome(motion)
     }
 
+    fn cancel_motions(&mut self, task: TaskId) {
+        self.stop_arm_of(task, "The task was aborted by another");
+    }
+
     fn post_alarm(&mut self, task: TaskId, alarm: &RuntimeError) {
         self.post_error(task, alarm);
     }

@@ -146,6 +146,12 @@ impl Hardware {
         std::mem::take(&mut self.wakes)
     }
 
+    /// Drops what is remembered of tasks that do not exist any more.
+    pub(crate) fn forget_tasks(&mut self, alive: &[TaskId]) {
+        self.origins.retain(|task, _| alive.contains(task));
+        self.refusals.retain(|task, _| alive.contains(task));
+    }
+
     /// Adds an alarm to the log, and to the trace.
     pub(crate) fn post(&mut self, status: Status, text: String, severity: Severity) {
         self.post_at(status, text, severity, None);

@@ -5,6 +5,7 @@ mod file;
 mod math;
 mod motion;
 mod string;
+mod task;
 mod variable;
 
 use std::time::Duration;
@@ -13,11 +14,12 @@ use crate::{
     host::{Host, TaskId, Wait},
     ir::BuiltinSite,
     machine::{
-        Loaded,
+        Loaded, Tasks,
         cell::{Address, Cell, Memory},
         fault::Fault,
     },
     program::Program,
+    run::Limits,
     status::Status,
     types::{PositionKind, Type},
     value::Text,
@@ -42,10 +44,14 @@ pub(crate) enum Param {
     /// INTEGER or REAL, not converted.
     Number,
     Text,
+    Boolean,
     Position(PositionKind),
     OutInteger,
     OutReal,
     OutText,
+    /// Read, perhaps written: a variable, or a constant, which is only read.
+    InOutInteger,
+    InOutText,
     /// A variable of any type, also a system variable.
     OutAny,
     /// A FILE variable.
@@ -75,6 +81,8 @@ pub(crate) enum Outcome {
     Value(Cell),
     /// It is called again with the same arguments.
     Pending(Wait),
+    /// The task ends.
+    EndTask,
     /// It is done, and the task rests a little: a loop around it must not starve the others.
     DoneThenPause(Duration),
 }
@@ -95,6 +103,7 @@ fn tables() -> impl Iterator<Item = &'static Builtin> {
         math::TABLE,
         motion::TABLE,
         string::TABLE,
+        task::TABLE,
         variable::TABLE,
     ];
     tables.into_iter().flatten()
@@ -103,7 +112,6 @@ fn tables() -> impl Iterator<Item = &'static Builtin> {
 /// Built-ins that exist on a controller and not here: they deserve a better message than a typing
 /// error.
 const PLANNED: &[&str] = &[
-    "ABORT_TASK",
     "APPEND_NODE",
     "APPROACH",
     "CALL_PROG",
@@ -117,7 +125,6 @@ const PLANNED: &[&str] = &[
     "CNV_STR_TIME",
     "CNV_TIME_STR",
     "CURJPOS",
-    "CURR_PROG",
     "ERR_DATA",
     "FORCE_SPMENU",
     "FRAME",
@@ -127,7 +134,6 @@ const PLANNED: &[&str] = &[
     "GET_STR_REG",
     "GET_TIME",
     "GET_TPE_PRM",
-    "GET_TSK_INFO",
     "IN_AUTO_MODE",
     "INV",
     "J_IN_RANGE",
@@ -142,7 +148,6 @@ const PLANNED: &[&str] = &[
     "POST_ERR",
     "POST_SEMA",
     "READ_KB",
-    "RUN_TASK",
     "SET_EPOS_REG",
     "SET_FILE_ATR",
     "SET_INT_REG",
@@ -165,10 +170,23 @@ pub(crate) struct Context<'a> {
     pub(crate) task: TaskId,
     pub(crate) program: &'a Program,
     pub(crate) programs: &'a [Loaded],
+    /// All tasks but the one that runs.
+    pub(crate) tasks: &'a mut Tasks,
+    pub(crate) running: Running<'a>,
+    pub(crate) limits: &'a Limits,
     pub(crate) host: &'a mut dyn Host,
     pub(crate) memory: Memory<'a>,
     pub(crate) operands: &'a [Cell],
     pub(crate) site: &'a BuiltinSite,
+}
+
+/// The task that runs, as built-ins see it.
+#[derive(Clone, Copy)]
+pub(crate) struct Running<'a> {
+    /// Its root program.
+    pub(crate) name: &'a str,
+    /// Source line of the statement.
+    pub(crate) line: u32,
 }
 
 impl Context<'_> {
@@ -200,6 +218,15 @@ impl Context<'_> {
 
     fn text(&self, number: usize) -> Text {
         self.arg(number).expect_text()
+    }
+
+    fn boolean(&self, number: usize) -> bool {
+        *self.arg(number) == Cell::Boolean(true)
+    }
+
+    /// The value of an argument that is read and written.
+    fn in_out(&self, number: usize) -> &Cell {
+        self.memory.get(self.variable(number))
     }
 
     /// The address of a variable, `None` if a constant stands in its place.

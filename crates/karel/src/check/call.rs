@@ -224,6 +224,9 @@ impl Checker<'_> {
             Param::Integer => self.value_arg(arg, &Type::Integer),
             Param::Real => self.value_arg(arg, &Type::Real),
             Param::Text => self.value_arg(arg, &Type::TEXT),
+            Param::Boolean => self.value_arg(arg, &Type::Boolean),
+            Param::InOutInteger => self.in_out_arg(arg, &Type::Integer),
+            Param::InOutText => self.in_out_arg(arg, &Type::TEXT),
             Param::Position(kind) => self.value_arg(arg, &Type::Position(kind)),
             Param::Number => {
                 let value = self.expr(arg);
@@ -281,6 +284,15 @@ impl Checker<'_> {
             | ExprKind::ToPosition(_) => Arg::Discard,
         };
         (arg, ty)
+    }
+
+    fn in_out_arg(&mut self, arg: &ast::Expr, wanted: &Type) -> (Arg, Type) {
+        let (found, ty) = self.any_value(arg);
+        if ty != Type::Error && ty != *wanted {
+            let message = format!("expected {wanted}, this is {ty}");
+            self.reports.error(arg.span, message);
+        }
+        (found, ty)
     }
 
     fn file_arg(&mut self, arg: &ast::Expr) -> (Arg, Type) {

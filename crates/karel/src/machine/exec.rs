@@ -4,7 +4,7 @@
 //! executed again when the wait is over. Nothing here recurses.
 
 use super::{
-    Loaded, arithmetic,
+    Loaded, Tasks, arithmetic,
     cell::{Address, Cell, Memory},
     fault::Fault,
     task::Task,
@@ -25,6 +25,8 @@ pub(super) struct Exec<'a> {
     pub(super) global_base: u32,
     pub(super) globals: &'a mut Vec<Cell>,
     pub(super) programs: &'a [Loaded],
+    /// All tasks but this one.
+    pub(super) others: &'a mut Tasks,
     pub(super) task: &'a mut Task,
     pub(super) host: &'a mut dyn Host,
     pub(super) limits: &'a Limits,

@@ -10,10 +10,9 @@ mod operands;
 mod outward;
 mod system;
 mod task;
+mod tasks;
 mod transfer;
 mod variables;
-
-use std::{collections::BTreeMap, sync::Arc};
 
 use crate::{
     error::{CallSite, RuntimeError},
@@ -29,7 +28,8 @@ use link::Link;
 pub(crate) use arithmetic::finite;
 use fault::Fault;
 pub(crate) use system::{component_of, set_component};
-use task::{Pending, Task};
+use task::Task;
+pub(crate) use tasks::Tasks;
 pub(crate) use variables::find as find_variable;
 
 /// Programs and tasks of one controller.
@@ -41,8 +41,7 @@ pub struct Machine {
     limits: Limits,
     programs: Vec<Loaded>,
     globals: Vec<Cell>,
-    tasks: BTreeMap<TaskId, Task>,
-    next_task: u32,
+    tasks: Tasks,
 }
 
 #[derive(Debug)]
@@ -52,6 +51,18 @@ pub(crate) struct Loaded {
     base: u32,
     /// Where its external routines are; `None` while their program is not loaded.
     links: Vec<Option<Link>>,
+}
+
+impl Loaded {
+    pub(crate) fn name(&self) -> &str {
+        self.program.name()
+    }
+
+    /// Name and source line of an instruction.
+    pub(crate) fn place(&self, pc: usize) -> (String, u32) {
+        let line = self.program.code.lines.get(pc).copied().unwrap_or(0);
+        (self.name().to_owned(), line)
+    }
 }
 
 /// Why a program cannot be loaded.
@@ -108,8 +119,7 @@ impl Machine {
             limits,
             programs: Vec::new(),
             globals,
-            tasks: BTreeMap::new(),
-            next_task: 1,
+            tasks: Tasks::default(),
         }
     }
 
@@ -147,78 +157,36 @@ impl Machine {
     /// # Errors
     /// The program is not loaded or runs already, or too many tasks exist.
     pub fn start(&mut self, program: &str) -> Result<TaskId, StartError> {
-        let index = self
-            .find_program(program)
-            .ok_or_else(|| StartError::NotLoaded(program.to_ascii_uppercase()))?;
-        let name: Arc<str> = program.to_ascii_uppercase().into();
-        let same = self.tasks.values().find(|task| task.name == name);
-        if same.is_some_and(|task| is_alive(&task.state)) {
-            return Err(StartError::Running(name.to_string()));
-        }
-        self.tasks.retain(|_, task| task.name != name);
-        if self.tasks.len() >= self.limits.tasks {
-            return Err(StartError::TooMany(self.tasks.len()));
-        }
-        let code = self.programs.get(index).map(|loaded| &loaded.program.code);
-        let main = code.and_then(|code| code.routines.first());
-        let cells = main.map_or(0, |main| main.frame_cells as usize);
-        if cells > self.limits.stack_cells {
-            return Err(StartError::TooLarge {
-                cells,
-                limit: self.limits.stack_cells,
-            });
-        }
-        let id = TaskId(self.next_task);
-        self.next_task = self.next_task.wrapping_add(1);
-        let mut task = Task {
-            name,
-            program: index,
-            pc: main.map_or(0, |main| main.entry as usize),
-            base: 0,
-            routine: 0,
-            callers: Vec::new(),
-            frames: vec![Cell::Uninit; cells],
-            operands: Vec::new(),
-            pending: Pending::None,
-            state: TaskState::Ready,
-            is_new: true,
-        };
-        task.operands.reserve(16);
-        let _ = self.tasks.insert(id, task);
-        Ok(id)
+        self.tasks.start(&self.programs, &self.limits, program)
     }
 
     /// Executes a task until it waits, ends, or has used up `fuel` instructions.
     ///
     /// A task that ended, or that does not exist, reports its end and uses nothing.
     pub fn run(&mut self, id: TaskId, fuel: u32, host: &mut dyn Host) -> Slice {
-        let Some(task) = self.tasks.get_mut(&id) else {
+        // The task is taken out, so that its statements can start and end others.
+        let Some(mut task) = self.tasks.take(id) else {
             return Slice {
                 run: Run::Ended,
                 used: 0,
             };
         };
-        match &task.state {
-            TaskState::Ready | TaskState::Blocked(_) => {}
-            TaskState::Ended => {
-                return Slice {
-                    run: Run::Ended,
-                    used: 0,
-                };
-            }
-            TaskState::Aborted(error) => {
-                return Slice {
-                    run: Run::Aborted(error.clone()),
-                    used: 0,
-                };
-            }
+        let slice = self.run_task(id, &mut task, fuel, host);
+        self.tasks.put_back(id, task);
+        slice
+    }
+
+    fn run_task(&mut self, id: TaskId, task: &mut Task, fuel: u32, host: &mut dyn Host) -> Slice {
+        let over = match &task.state {
+            TaskState::Ready | TaskState::Blocked(_) => None,
+            TaskState::Ended => Some(Run::Ended),
+            TaskState::Aborted(error) => Some(Run::Aborted(error.clone())),
+        };
+        if let Some(run) = over {
+            return Slice { run, used: 0 };
         }
-        let Some(loaded) = self.programs.get(task.program) else {
-            return Slice {
-                run: Run::Ended,
-                used: 0,
-            };
-        };
+        let loaded = self.programs.get(task.program);
+        let loaded = loaded.expect("programs are never unloaded");
         if std::mem::take(&mut task.is_new) {
             close_left_open(loaded, &mut self.globals, host);
         }
@@ -228,6 +196,7 @@ impl Machine {
             global_base: loaded.base,
             globals: &mut self.globals,
             programs: &self.programs,
+            others: &mut self.tasks,
             task,
             host,
             limits: &self.limits,
@@ -255,7 +224,7 @@ impl Machine {
     /// What can be seen of a task; `None` if there is no such task.
     #[must_use]
     pub fn task(&self, id: TaskId) -> Option<TaskView> {
-        let task = self.tasks.get(&id)?;
+        let task = self.tasks.get(id)?;
         let program = &self.programs.get(task.program)?.program;
         let calls = call_stack(task, &self.programs);
         Some(TaskView {
@@ -269,20 +238,26 @@ impl Machine {
 
     /// The tasks that exist, ended ones included, oldest first.
     pub fn tasks(&self) -> impl Iterator<Item = TaskId> + '_ {
-        self.tasks.keys().copied()
+        self.tasks.ids()
+    }
+
+    /// Whether a task exists and has not ended.
+    #[must_use]
+    pub fn is_alive(&self, id: TaskId) -> bool {
+        self.tasks.get(id).is_some_and(|task| is_alive(&task.state))
+    }
+
+    /// Changes whenever a task was started, or ended by another: a caller that schedules tasks then
+    /// looks at [`Machine::tasks`] again.
+    #[must_use]
+    pub fn task_changes(&self) -> u64 {
+        self.tasks.changes()
     }
 
     /// Ends a task between two instructions. Its connections stay open until a program
     /// disconnects them, as on a controller; what moves is the host's business.
     pub fn abort(&mut self, id: TaskId, host: &mut dyn Host) {
-        if let Some(task) = self.tasks.get_mut(&id)
-            && is_alive(&task.state)
-        {
-            for file in task.frames.iter().filter_map(open_file) {
-                let _ = host.close_file(file);
-            }
-            task.state = TaskState::Ended;
-        }
+        let _was_alive = self.tasks.end(id, host);
     }
 
     /// Names of the programs that are loaded, upper case, oldest first.

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     ast::Waits,
-    builtins::{Context, Outcome},
+    builtins::{Context, Outcome, Running},
     host::{MotionRequest, MoveEnd, Progress, Wait},
     ir::Outward,
     status::Status,
@@ -57,6 +57,12 @@ impl Exec<'_> {
             task: self.id,
             program: self.program,
             programs: self.programs,
+            tasks: self.others,
+            running: Running {
+                name: &self.task.name,
+                line: program.code.lines.get(self.task.pc).copied().unwrap_or(0),
+            },
+            limits: self.limits,
             host: self.host,
             memory: Memory {
                 globals: self.globals,
@@ -68,6 +74,10 @@ impl Exec<'_> {
         let outcome = (site.builtin.code)(&mut context)?;
         match outcome {
             Outcome::Pending(wait) => return Ok(Flow::Blocked(wait)),
+            Outcome::EndTask => {
+                self.close_locals(0);
+                return Ok(Flow::Ended);
+            }
             Outcome::Done => self.drop_operands(count),
             Outcome::Value(value) => {
                 self.drop_operands(count);

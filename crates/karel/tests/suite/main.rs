@@ -9,3 +9,4 @@ mod host;
 mod robustness;
 mod semantics;
 mod sock_server;
+mod tasks;
