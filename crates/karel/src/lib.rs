@@ -71,6 +71,7 @@
 mod ast;
 mod builtins;
 mod check;
+mod cmos;
 mod diagnostic;
 mod error;
 mod host;
@@ -95,6 +96,7 @@ mod typed;
 mod types;
 mod value;
 
+pub use cmos::{Cmos, Scalar};
 pub use diagnostic::{Diagnostic, Severity, render};
 pub use error::{CallSite, RuntimeError};
 pub use host::{

@@ -21,6 +21,8 @@ pub struct Program {
     pub(crate) globals: HashMap<String, (u32, Type)>,
     pub(crate) global_cells: u32,
     pub(crate) global_files: Vec<u32>,
+    /// Names of the variables that keep their values without power.
+    pub(crate) persistent: Vec<String>,
 }
 
 impl Program {
@@ -62,6 +64,7 @@ impl Program {
             globals: checked.globals,
             global_cells: checked.global_cells,
             global_files: checked.global_files,
+            persistent: checked.persistent,
         })
     }
 

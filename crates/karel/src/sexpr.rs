@@ -69,7 +69,7 @@ impl Printer {
                 Decl::Type { name, ty } => {
                     self.line(&format!("(type {} {})", name.text, type_expr(ty)));
                 }
-                Decl::Var { names, ty } => {
+                Decl::Var { names, ty, .. } => {
                     let names: Vec<&str> = names.iter().map(|name| name.text.as_str()).collect();
                     self.line(&format!("(var ({}) {})", names.join(" "), type_expr(ty)));
                 }

@@ -205,6 +205,37 @@ impl Type {
         }
     }
 
+    /// The types of its cells, in order.
+    pub(crate) fn leaves(&self, leaves: &mut Vec<Type>) {
+        match self {
+            Type::Position(kind) => {
+                let cells = 0..kind.size();
+                leaves.extend(cells.map(|cell| match cell {
+                    CONFIG_OFFSET => Type::Config,
+                    _ => Type::Real,
+                }));
+            }
+            Type::Array(array) => {
+                let count: u32 = array.dims.iter().product();
+                for _ in 0..count {
+                    array.element.leaves(leaves);
+                }
+            }
+            Type::Structure(structure) => {
+                for field in &structure.fields {
+                    field.ty.leaves(leaves);
+                }
+            }
+            Type::Integer
+            | Type::Real
+            | Type::Boolean
+            | Type::Text(_)
+            | Type::File
+            | Type::Config
+            | Type::Error => leaves.push(self.clone()),
+        }
+    }
+
     /// Whether a FILE is in it: those cannot be copied.
     pub(crate) fn holds_file(&self) -> bool {
         match self {

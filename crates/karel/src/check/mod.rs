@@ -32,6 +32,8 @@ pub(crate) struct Checked {
     pub(crate) global_cells: u32,
     /// Cells of the globals that are FILE variables.
     pub(crate) global_files: Vec<u32>,
+    /// Names of the variables that keep their values without power.
+    pub(crate) persistent: Vec<String>,
     /// Routines of other programs that are called.
     pub(crate) externals: Vec<External>,
     /// The main body first.
@@ -48,6 +50,8 @@ pub(crate) fn check(program: &ast::Program, reports: &mut Reports) -> Checked {
         routines: HashMap::new(),
         signatures: Vec::new(),
         externals: Vec::new(),
+        cmos_vars: false,
+        persistent: Vec::new(),
         frame: Frame::default(),
     };
     checker.directives(&program.directives);
@@ -63,6 +67,10 @@ struct Checker<'a> {
     routines: HashMap<String, usize>,
     signatures: Vec<Signature>,
     externals: Vec<External>,
+    /// `%CMOSVARS`.
+    cmos_vars: bool,
+    /// Variables that keep their values without power.
+    persistent: Vec<String>,
     frame: Frame,
 }
 
@@ -140,6 +148,7 @@ impl Checker<'_> {
     fn directives(&mut self, directives: &[ast::Directive]) {
         for directive in directives {
             let name = directive.name.as_str();
+            self.cmos_vars |= matches!(name, "%CMOSVARS" | "%SHADOWVARS");
             if !KNOWN_DIRECTIVES.contains(&name) {
                 self.reports.warning(
                     directive.span,
@@ -170,6 +179,7 @@ impl Checker<'_> {
             global_files: self.globals.files.clone(),
             globals: self.globals.into_variables(),
             externals: self.externals,
+            persistent: self.persistent,
             routines,
         }
     }

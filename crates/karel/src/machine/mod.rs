@@ -8,6 +8,7 @@ pub(crate) mod fault;
 mod link;
 mod operands;
 mod outward;
+mod power;
 mod system;
 mod task;
 mod tasks;

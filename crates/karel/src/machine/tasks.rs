@@ -91,6 +91,12 @@ impl Tasks {
         true
     }
 
+    /// Forgets every task; their numbers are not used again.
+    pub(crate) fn clear(&mut self) {
+        self.by_id.clear();
+        self.changes += 1;
+    }
+
     pub(crate) fn get(&self, id: TaskId) -> Option<&Task> {
         self.by_id.get(&id)
     }
