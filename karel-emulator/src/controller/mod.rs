@@ -8,7 +8,10 @@
 //! spends its share and rests.
 
 mod load;
+mod power;
 mod snapshot;
+
+pub use power::CmosMemory;
 
 use std::time::Duration;
 
@@ -45,6 +48,10 @@ pub struct Controller {
     /// [`Machine::task_changes`] that `tasks` follows.
     task_changes: u64,
     limits: Limits,
+    /// Programs that run from power-on.
+    run: Vec<String>,
+    /// How often the power was switched on again.
+    power_cycles: u32,
 }
 
 #[derive(Debug)]
@@ -87,8 +94,8 @@ impl Controller {
         } else {
             config.run.clone()
         };
-        for name in run {
-            let _task = machine.start(&name).map_err(|error| StartError::Task {
+        for name in &run {
+            let _task = machine.start(name).map_err(|error| StartError::Task {
                 name: name.clone(),
                 reason: error.to_string(),
             })?;
@@ -99,6 +106,8 @@ impl Controller {
             tasks: Vec::new(),
             task_changes: 0,
             limits,
+            run,
+            power_cycles: 0,
         };
         controller.follow_tasks();
         Ok(controller)
