@@ -150,6 +150,14 @@ impl VirtualController {
         self.ask(Command::Screen).await
     }
 
+    /// The registers: `R[n]`, `SR[n]`, `PR[n]`.
+    ///
+    /// # Errors
+    /// The controller stopped.
+    pub async fn registers(&self) -> Result<karel::Registers, ControllerStopped> {
+        self.ask(Command::Registers).await
+    }
+
     /// ABORT ALL: every task ends, the arm brakes, connections close.
     ///
     /// # Errors

@@ -7,15 +7,18 @@ use serde::{Deserialize, Serialize};
 use crate::{
     machine::cell::Cell,
     position::Config,
+    registers::Registers,
     types::{TextLength, Type},
     value::Text,
 };
 
-/// The variables in CMOS of all programs, by program and variable.
+/// Registers, and the variables in CMOS of all programs by program and variable.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Cmos {
     /// The scalars of each variable in order; `None` for one that is uninitialized.
     pub programs: BTreeMap<String, BTreeMap<String, Vec<Option<Scalar>>>>,
+    /// The registers.
+    pub registers: Registers,
 }
 
 /// One scalar value.

@@ -9,7 +9,7 @@ use std::{sync::Arc, time::Duration};
 
 use crate::{
     error::RuntimeError,
-    position::{Position, XyzwprExt},
+    position::{JointPosition, Position, XyzwprExt},
     status::Status,
     syspath::SysPath,
     value::{SysValue, Value},
@@ -186,6 +186,50 @@ pub trait Host {
         tool: &Position,
         group: i32,
     ) -> Status;
+
+    /// Where the joints of a group are now. `group` from 1.
+    ///
+    /// # Errors
+    /// A status that ends the task. A host without an arm keeps this answer; so with the next three.
+    fn current_joints(&mut self, _task: TaskId, _group: i32) -> Result<JointPosition, Status> {
+        Err(Status::INTP_UNDEFINED_BUILTIN)
+    }
+
+    /// Status 0 if the joints are those of the group and inside of its limits.
+    fn check_joints(&mut self, _task: TaskId, _joints: &JointPosition, _group: i32) -> Status {
+        Status::INTP_UNDEFINED_BUILTIN
+    }
+
+    /// Where `tool` is in `user_frame` at these joints, with the configuration filled in.
+    ///
+    /// # Errors
+    /// The status that the program sees.
+    fn joints_to_position(
+        &mut self,
+        _task: TaskId,
+        _joints: &JointPosition,
+        _user_frame: &Position,
+        _tool: &Position,
+        _group: i32,
+    ) -> Result<XyzwprExt, Status> {
+        Err(Status::INTP_UNDEFINED_BUILTIN)
+    }
+
+    /// The joints that bring `tool` to `position` in `user_frame`, inside the joint limits and in
+    /// the position's configuration.
+    ///
+    /// # Errors
+    /// The status that the program sees.
+    fn position_to_joints(
+        &mut self,
+        _task: TaskId,
+        _position: &XyzwprExt,
+        _user_frame: &Position,
+        _tool: &Position,
+        _group: i32,
+    ) -> Result<JointPosition, Status> {
+        Err(Status::INTP_UNDEFINED_BUILTIN)
+    }
 
     /// Queues a motion. `Err` means that an alarm was raised; the task ends with it.
     fn start_motion(

@@ -99,6 +99,13 @@ pub(crate) enum Rare {
     CopyPosition {
         from: PositionKind,
         to: PositionKind,
+        /// Without a value, the target gets none either; else that is INTP-311.
+        may_lack: bool,
+    },
+    /// Copies joints: a source address above a target address, and their cells.
+    CopyJoints {
+        from: u32,
+        to: u32,
     },
 }
 

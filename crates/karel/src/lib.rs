@@ -83,6 +83,7 @@ mod machine;
 mod parser;
 mod position;
 mod program;
+mod registers;
 mod run;
 mod sexpr;
 mod span;
@@ -105,8 +106,9 @@ pub use host::{
 };
 pub use include::{IncludeFile, IncludeFiles, Includes};
 pub use machine::{LoadError, Machine, StartError};
-pub use position::{Config, Elbow, Front, Position, Wrist, Xyzwpr, XyzwprExt};
+pub use position::{Config, Elbow, Front, JointPosition, Position, Wrist, Xyzwpr, XyzwprExt};
 pub use program::{Program, syntax_tree};
+pub use registers::{Number, PositionRegister, RegisterCounts, Registers};
 pub use run::{Limits, Run, Slice, TaskState, TaskView};
 pub use status::Status;
 pub use syspath::{Step, SysPath, SysPathError};

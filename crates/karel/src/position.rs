@@ -135,7 +135,7 @@ pub struct Position {
 }
 
 /// `XYZWPREXT`: a position with its configuration and up to three extended axes.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct XyzwprExt {
     /// X in millimeters.
     pub x: f32,
@@ -153,6 +153,13 @@ pub struct XyzwprExt {
     pub config: Config,
     /// Extended axes, millimeters or degrees; zero where there is none.
     pub ext: [f32; 3],
+}
+
+/// `JOINTPOS`: angles as the pendant shows them, in degrees; millimeters for linear axes.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct JointPosition {
+    /// One to nine axes, J1 first.
+    pub axes: Vec<f32>,
 }
 
 impl From<Xyzwpr> for Position {

@@ -138,6 +138,8 @@ pub(crate) enum ExprKind {
     ToReal(Box<Expr>),
     /// One cartesian type to another, the expression's.
     ToPosition(Box<Expr>),
+    /// One joint type to another, the expression's.
+    ToJoints(Box<Expr>),
 }
 
 /// Binary operators; both operands have the same type, which selects the instruction.

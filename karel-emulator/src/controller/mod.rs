@@ -196,6 +196,12 @@ impl Controller {
         self.hardware.alarms.reset();
     }
 
+    /// The registers of the controller: `R[n]`, `SR[n]`, `PR[n]`.
+    #[must_use]
+    pub fn registers(&self) -> &karel::Registers {
+        self.machine.registers()
+    }
+
     /// Where the joints are, in degrees.
     #[must_use]
     pub fn joints_deg(&self) -> [f64; 6] {

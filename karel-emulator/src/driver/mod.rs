@@ -42,6 +42,7 @@ pub(crate) enum Command {
     Alarms(oneshot::Sender<Page<Alarm>>),
     Screen(oneshot::Sender<Vec<String>>),
     AbortAll(oneshot::Sender<()>),
+    Registers(oneshot::Sender<karel::Registers>),
     PowerCycle {
         memory: CmosMemory,
         answer: oneshot::Sender<()>,
@@ -224,6 +225,7 @@ impl Driver {
                 self.core.abort_all();
                 answer.send(()).map_err(drop)
             }
+            Command::Registers(answer) => answer.send(self.core.registers().clone()).map_err(drop),
             Command::PowerCycle { memory, answer } => {
                 self.core.power_cycle(memory);
                 self.apply_effects();

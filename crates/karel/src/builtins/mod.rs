@@ -2,8 +2,10 @@
 
 mod convert;
 mod file;
+mod joints;
 mod math;
 mod motion;
+mod register;
 mod string;
 mod task;
 mod variable;
@@ -18,7 +20,9 @@ use crate::{
         cell::{Address, Cell, Memory},
         fault::Fault,
     },
+    position::{JointPosition, XyzwprExt},
     program::Program,
+    registers::Registers,
     run::Limits,
     status::Status,
     types::{PositionKind, Type},
@@ -49,6 +53,16 @@ pub(crate) enum Param {
     OutInteger,
     OutReal,
     OutText,
+    OutBoolean,
+    Config,
+    OutConfig,
+    /// Any joint type.
+    Joints,
+    OutJoints,
+    /// A variable of any cartesian type.
+    OutPosition,
+    /// A variable, ARRAY OF REAL.
+    RealArray,
     /// Read, perhaps written: a variable, or a constant, which is only read.
     InOutInteger,
     InOutText,
@@ -71,6 +85,7 @@ pub(crate) enum Returns {
     Boolean,
     Text,
     XyzwprExt,
+    Joints,
     SameAsFirst,
 }
 
@@ -100,8 +115,10 @@ fn tables() -> impl Iterator<Item = &'static Builtin> {
     let tables = [
         convert::TABLE,
         file::TABLE,
+        joints::TABLE,
         math::TABLE,
         motion::TABLE,
+        register::TABLE,
         string::TABLE,
         task::TABLE,
         variable::TABLE,
@@ -117,44 +134,26 @@ const PLANNED: &[&str] = &[
     "CALL_PROG",
     "CALL_PROGLIN",
     "CLEAR_SEMA",
-    "CLR_POS_REG",
     "CNV_CONF_STR",
-    "CNV_JPOS_REL",
-    "CNV_REL_JPOS",
     "CNV_STR_CONF",
     "CNV_STR_TIME",
     "CNV_TIME_STR",
-    "CURJPOS",
     "ERR_DATA",
     "FORCE_SPMENU",
     "FRAME",
-    "GET_JPOS_REG",
-    "GET_POS_REG",
-    "GET_REG",
-    "GET_STR_REG",
     "GET_TIME",
     "GET_TPE_PRM",
     "IN_AUTO_MODE",
     "INV",
-    "J_IN_RANGE",
-    "JOINT2POS",
     "MSG_PING",
     "ORIENT",
     "PATH_LEN",
     "PAUSE_TASK",
     "PEND_SEMA",
-    "POS2JOINT",
-    "POS_REG_TYPE",
     "POST_ERR",
     "POST_SEMA",
     "READ_KB",
-    "SET_EPOS_REG",
     "SET_FILE_ATR",
-    "SET_INT_REG",
-    "SET_JPOS_REG",
-    "SET_POS_REG",
-    "SET_REAL_REG",
-    "SET_STR_REG",
     "TP_ENABLED",
     "UNPOS",
     "VOL_SPACE",
@@ -172,6 +171,7 @@ pub(crate) struct Context<'a> {
     pub(crate) programs: &'a [Loaded],
     /// All tasks but the one that runs.
     pub(crate) tasks: &'a mut Tasks,
+    pub(crate) registers: &'a mut Registers,
     pub(crate) running: Running<'a>,
     pub(crate) limits: &'a Limits,
     pub(crate) host: &'a mut dyn Host,
@@ -247,6 +247,17 @@ impl Context<'_> {
             .first()
             .expect("lowering pushes the result's address")
             .expect_address()
+    }
+
+    fn joints(&self, number: usize) -> Result<JointPosition, Fault> {
+        let Type::Joints(kind) = self.ty(number) else {
+            unreachable!("the checker insists on a JOINTPOS")
+        };
+        self.memory.joints(self.variable(number), *kind)
+    }
+
+    fn position(&self, number: usize, kind: PositionKind) -> Result<XyzwprExt, Fault> {
+        self.memory.position(self.variable(number), kind)
     }
 
     fn put(&mut self, number: usize, value: Cell) {

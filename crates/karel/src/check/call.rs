@@ -7,7 +7,7 @@ use crate::{
     ir::{self, External},
     span::Span,
     typed::{Arg, BuiltinCall, Call, Callee, Expr, ExprKind, StmtKind},
-    types::{PositionKind, TextLength, Type},
+    types::{JointKind, PositionKind, TextLength, Type},
 };
 
 impl Checker<'_> {
@@ -209,6 +209,7 @@ impl Checker<'_> {
             Returns::Boolean => Some(Type::Boolean),
             Returns::Text => Some(Type::TEXT),
             Returns::XyzwprExt => Some(Type::Position(PositionKind::XyzwprExt)),
+            Returns::Joints => Some(Type::Joints(JointKind::OfGroup)),
             Returns::SameAsFirst => types.first().cloned(),
         };
         Some(BuiltinCall {
@@ -237,6 +238,40 @@ impl Checker<'_> {
                 let ty = value.ty.clone();
                 (Arg::Value(value), ty)
             }
+            Param::Config => self.value_arg(arg, &Type::Config),
+            Param::Joints => {
+                let value = self.expr(arg);
+                self.expect_joints(&value.ty, arg.span);
+                let ty = value.ty.clone();
+                (Arg::Value(value), ty)
+            }
+            Param::OutJoints => {
+                let (found, ty) = self.any_variable(arg, false);
+                self.expect_joints(&ty, arg.span);
+                (found, ty)
+            }
+            Param::OutPosition => {
+                let (found, ty) = self.any_variable(arg, false);
+                if !matches!(ty, Type::Position(_) | Type::Error) {
+                    let message = format!("expected a POSITION, this is {ty}");
+                    self.reports.error(arg.span, message);
+                }
+                (found, ty)
+            }
+            Param::RealArray => {
+                let (found, ty) = self.any_variable(arg, false);
+                let mut fits = ty == Type::Error;
+                if let Type::Array(array) = &ty {
+                    fits = array.element == Type::Real && array.dims.len() <= 1;
+                }
+                if !fits {
+                    let message = format!("expected an ARRAY OF REAL, this is {ty}");
+                    self.reports.error(arg.span, message);
+                }
+                (found, ty)
+            }
+            Param::OutConfig => self.out_arg(arg, &Type::Config),
+            Param::OutBoolean => self.out_arg(arg, &Type::Boolean),
             Param::OutInteger => self.out_arg(arg, &Type::Integer),
             Param::OutReal => self.out_arg(arg, &Type::Real),
             Param::OutText => self.out_arg(arg, &Type::TEXT),
@@ -281,9 +316,17 @@ impl Checker<'_> {
             | ExprKind::Not(_)
             | ExprKind::Binary { .. }
             | ExprKind::ToReal(_)
-            | ExprKind::ToPosition(_) => Arg::Discard,
+            | ExprKind::ToPosition(_)
+            | ExprKind::ToJoints(_) => Arg::Discard,
         };
         (arg, ty)
+    }
+
+    fn expect_joints(&mut self, ty: &Type, span: Span) {
+        if !matches!(ty, Type::Joints(_) | Type::Error) {
+            let message = format!("expected a JOINTPOS, this is {ty}");
+            self.reports.error(span, message);
+        }
     }
 
     fn in_out_arg(&mut self, arg: &ast::Expr, wanted: &Type) -> (Arg, Type) {
@@ -319,7 +362,8 @@ impl Checker<'_> {
             | ExprKind::Not(_)
             | ExprKind::Binary { .. }
             | ExprKind::ToReal(_)
-            | ExprKind::ToPosition(_) => {
+            | ExprKind::ToPosition(_)
+            | ExprKind::ToJoints(_) => {
                 if ty != Type::Error {
                     self.reports.error(arg.span, "a variable is needed here");
                 }

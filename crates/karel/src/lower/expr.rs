@@ -58,7 +58,7 @@ impl Lowering<'_> {
                 self.scalar(operand);
                 self.emit(Op::IntegerToReal);
             }
-            ExprKind::ToPosition(_) => self.aggregate(expr),
+            ExprKind::ToPosition(_) | ExprKind::ToJoints(_) => self.aggregate(expr),
         }
     }
 
@@ -104,6 +104,12 @@ impl Lowering<'_> {
                 self.builtin(call);
                 self.emit(Op::AddressLocal(temp));
             }
+            ExprKind::ToJoints(inner) => {
+                let temp = self.temporary(expr.ty.size());
+                self.emit(Op::AddressLocal(temp));
+                self.copy_joints(inner, &expr.ty);
+                self.emit(Op::AddressLocal(temp));
+            }
             ExprKind::ToPosition(inner) => {
                 let temp = self.temporary(expr.ty.size());
                 self.emit(Op::AddressLocal(temp));
@@ -123,11 +129,20 @@ impl Lowering<'_> {
         match (&source.kind, target) {
             (ExprKind::ToPosition(inner), Type::Position(_)) => self.copy_position(inner, target),
             (_, Type::Position(_)) => self.copy_position(source, target),
+            (ExprKind::ToJoints(inner), _) => self.copy_joints(inner, target),
             _ => {
                 self.value(source);
                 self.emit(Op::Rare(Rare::CopyCells(target.size())));
             }
         }
+    }
+
+    fn copy_joints(&mut self, source: &Expr, target: &Type) {
+        self.aggregate(source);
+        self.emit(Op::Rare(Rare::CopyJoints {
+            from: source.ty.size(),
+            to: target.size(),
+        }));
     }
 
     fn copy_position(&mut self, source: &Expr, target: &Type) {
@@ -139,6 +154,8 @@ impl Lowering<'_> {
         self.emit(Op::Rare(Rare::CopyPosition {
             from: kind(&source.ty),
             to: kind(target),
+            // A built-in that fails has a status for it, and no position.
+            may_lack: matches!(source.kind, ExprKind::Builtin(_)),
         }));
     }
 
@@ -255,6 +272,7 @@ fn comparison(relation: Relation, operands: &Type) -> Op {
         | Type::File
         | Type::Config
         | Type::Position(_)
+        | Type::Joints(_)
         | Type::Array(_)
         | Type::Structure(_)
         | Type::Error => Op::CompareInteger(relation),

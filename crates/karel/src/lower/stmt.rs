@@ -301,6 +301,7 @@ fn scalar_type(ty: &Type) -> ScalarType {
         | Type::File
         | Type::Config
         | Type::Position(_)
+        | Type::Joints(_)
         | Type::Array(_)
         | Type::Structure(_)
         | Type::Error => ScalarType::Integer,

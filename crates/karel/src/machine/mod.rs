@@ -20,6 +20,7 @@ use crate::{
     host::{Host, TaskId},
     ir::Op,
     program::Program,
+    registers::Registers,
     run::{Limits, Run, Slice, TaskState, TaskView},
 };
 use cell::{Cell, FileCell};
@@ -43,6 +44,7 @@ pub struct Machine {
     programs: Vec<Loaded>,
     globals: Vec<Cell>,
     tasks: Tasks,
+    registers: Registers,
 }
 
 #[derive(Debug)]
@@ -121,6 +123,7 @@ impl Machine {
             programs: Vec::new(),
             globals,
             tasks: Tasks::default(),
+            registers: Registers::new(limits.registers),
         }
     }
 
@@ -198,6 +201,7 @@ impl Machine {
             globals: &mut self.globals,
             programs: &self.programs,
             others: &mut self.tasks,
+            registers: &mut self.registers,
             task,
             host,
             limits: &self.limits,
@@ -259,6 +263,17 @@ impl Machine {
     /// disconnects them, as on a controller; what moves is the host's business.
     pub fn abort(&mut self, id: TaskId, host: &mut dyn Host) {
         let _was_alive = self.tasks.end(id, host);
+    }
+
+    /// The registers.
+    #[must_use]
+    pub fn registers(&self) -> &Registers {
+        &self.registers
+    }
+
+    /// The registers, for an operator or a TP program.
+    pub fn registers_mut(&mut self) -> &mut Registers {
+        &mut self.registers
     }
 
     /// Names of the programs that are loaded, upper case, oldest first.

@@ -58,6 +58,7 @@ impl Exec<'_> {
             program: self.program,
             programs: self.programs,
             tasks: self.others,
+            registers: self.registers,
             running: Running {
                 name: &self.task.name,
                 line: program.code.lines.get(self.task.pc).copied().unwrap_or(0),

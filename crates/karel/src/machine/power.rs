@@ -6,6 +6,7 @@ use super::{
 };
 use crate::{
     cmos::{self, Cmos, Scalar},
+    registers::Registers,
     types::Type,
 };
 
@@ -14,7 +15,10 @@ impl Machine {
     /// program with `%CMOSVARS`.
     #[must_use]
     pub fn export_cmos(&self) -> Cmos {
-        let mut memory = Cmos::default();
+        let mut memory = Cmos {
+            registers: self.registers.clone(),
+            ..Cmos::default()
+        };
         for loaded in &self.programs {
             let mut variables = std::collections::BTreeMap::new();
             for (name, first, ty) in persistent(loaded) {
@@ -33,6 +37,7 @@ impl Machine {
     /// Sets the variables that [`Machine::export_cmos`] has written. Returns those that are left as
     /// they are, as `[PROGRAM]VARIABLE`: their program is not loaded, or their type has changed.
     pub fn import_cmos(&mut self, memory: &Cmos) -> Vec<String> {
+        self.registers.clone_from(&memory.registers);
         let mut refused = Vec::new();
         for (program, variables) in &memory.programs {
             for (name, values) in variables {
@@ -66,6 +71,7 @@ impl Machine {
     /// What shall survive is exported before and imported after.
     pub fn power_cycle(&mut self) {
         self.tasks.clear();
+        self.registers = Registers::new(self.limits.registers);
         for cell in &mut self.globals {
             *cell = Cell::Uninit;
         }

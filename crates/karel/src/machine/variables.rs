@@ -103,6 +103,7 @@ pub(crate) fn find(programs: &[Loaded], program: &str, path: &SysPath) -> Result
         | Type::Text(TextLength::Any)
         | Type::Config
         | Type::Position(_)
+        | Type::Joints(_)
         | Type::Error => Ok(found),
     }
 }
