@@ -301,6 +301,8 @@ pub(crate) enum StmtKind {
     CloseFile(Path),
     CancelFile(Path),
     Delay(Expr),
+    /// All of them must hold.
+    WaitFor(Vec<Expr>),
     MoveTo {
         target: Expr,
         waits: Waits,

@@ -9,6 +9,7 @@ use std::{sync::Arc, time::Duration};
 
 use crate::{
     error::RuntimeError,
+    port::{Port, PortValue},
     position::{JointPosition, Position, XyzwprExt},
     status::Status,
     syspath::SysPath,
@@ -169,6 +170,29 @@ pub trait Host {
         path: &SysPath,
         value: SysValue,
     ) -> Result<(), Status>;
+
+    /// The value of a port; `number` as the program computed it.
+    ///
+    /// # Errors
+    /// [`Status::PRIO_PORT_NUMBER`] if there is no such port; the task ends with it. A host without
+    /// ports keeps this answer.
+    fn port(&self, _port: Port, _number: i32) -> Result<PortValue, Status> {
+        Err(Status::PRIO_PORT_NUMBER)
+    }
+
+    /// Sets an output or a flag; never an input.
+    ///
+    /// # Errors
+    /// As [`Host::port`]; [`Status::INTP_ARGUMENT`] for a number that the port cannot have.
+    fn set_port(
+        &mut self,
+        _task: TaskId,
+        _port: Port,
+        _number: i32,
+        _value: PortValue,
+    ) -> Result<(), Status> {
+        Err(Status::PRIO_PORT_NUMBER)
+    }
 
     /// Where `$UTOOL` is in `$UFRAME` now, with the configuration filled in. `group` from 1.
     ///

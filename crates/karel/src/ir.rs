@@ -9,6 +9,7 @@ use std::sync::Arc;
 use crate::{
     ast::{Relation, Waits},
     builtins::Builtin,
+    port::Port,
     syspath::SysPath,
     types::{PositionKind, Type},
     value::Text,
@@ -130,6 +131,12 @@ pub(crate) enum Outward {
     FetchSystem(u32),
     /// Stores after an output argument was written, uninitialized or not.
     ReturnSystem(u32),
+    /// Its number on the stack.
+    LoadPort(Port),
+    /// Its number above the value.
+    StorePort(Port),
+    /// Waits until conditions are looked at again.
+    Scan,
     OpenFile,
     CloseFile,
     CancelFile,

@@ -81,6 +81,7 @@ mod lexer;
 mod lower;
 mod machine;
 mod parser;
+mod port;
 mod position;
 mod program;
 mod registers;
@@ -106,6 +107,7 @@ pub use host::{
 };
 pub use include::{IncludeFile, IncludeFiles, Includes};
 pub use machine::{LoadError, Machine, StartError};
+pub use port::{Port, PortValue};
 pub use position::{Config, Elbow, Front, JointPosition, Position, Wrist, Xyzwpr, XyzwprExt};
 pub use program::{Program, syntax_tree};
 pub use registers::{Number, PositionRegister, RegisterCounts, Registers};

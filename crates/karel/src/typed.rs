@@ -5,6 +5,7 @@ use crate::{
     ast::{Direction, Relation, Waits},
     builtins::Builtin,
     ir::Signature,
+    port::Port,
     span::Span,
     types::Type,
     value::Text,
@@ -83,6 +84,8 @@ pub(crate) enum StmtKind {
     CloseFile(Place),
     CancelFile(Place),
     Delay(Expr),
+    /// A condition that is looked at again and again until it holds.
+    WaitFor(Expr),
     MoveTo {
         target: Expr,
         waits: Waits,
@@ -112,6 +115,14 @@ pub(crate) enum WriteItem {
 pub(crate) enum Target {
     Place(Place),
     System(SystemPlace),
+    Port(PortPlace),
+}
+
+/// A port of an array.
+#[derive(Debug)]
+pub(crate) struct PortPlace {
+    pub(crate) port: Port,
+    pub(crate) number: Box<Expr>,
 }
 
 #[derive(Debug)]
@@ -125,6 +136,7 @@ pub(crate) enum ExprKind {
     Constant(Constant),
     Place(Place),
     System(SystemPlace),
+    Port(PortPlace),
     Call(Call),
     Builtin(BuiltinCall),
     Negate(Box<Expr>),

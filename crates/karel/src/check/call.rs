@@ -309,6 +309,12 @@ impl Checker<'_> {
         let arg = match value.kind {
             ExprKind::Place(place) => Arg::Reference(place),
             ExprKind::System(place) => Arg::System(place),
+            ExprKind::Port(place) => {
+                let message = format!("a port such as {} cannot be an output here", place.port);
+                self.reports
+                    .error_with_help(arg.span, message, "use a variable of the program");
+                Arg::Discard
+            }
             ExprKind::Constant(_)
             | ExprKind::Call(_)
             | ExprKind::Builtin(_)
@@ -356,6 +362,7 @@ impl Checker<'_> {
             ExprKind::System(place) if system => Arg::System(place),
             ExprKind::Constant(_)
             | ExprKind::System(_)
+            | ExprKind::Port(_)
             | ExprKind::Call(_)
             | ExprKind::Builtin(_)
             | ExprKind::Negate(_)

@@ -5,6 +5,7 @@ mod constant;
 mod decl;
 mod expr;
 mod place;
+mod port;
 mod scope;
 mod stmt;
 mod transfer;

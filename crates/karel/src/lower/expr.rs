@@ -29,6 +29,10 @@ impl Lowering<'_> {
                 let row = self.system(place);
                 self.emit(Op::Outward(Outward::LoadSystem(row)));
             }
+            ExprKind::Port(place) => {
+                self.scalar(&place.number);
+                self.emit(Op::Outward(Outward::LoadPort(place.port)));
+            }
             ExprKind::Call(call) => self.call(call),
             ExprKind::Builtin(call) => self.builtin(call),
             ExprKind::Negate(operand) => {
@@ -117,6 +121,7 @@ impl Lowering<'_> {
                 self.emit(Op::AddressLocal(temp));
             }
             ExprKind::Constant(_)
+            | ExprKind::Port(_)
             | ExprKind::Negate(_)
             | ExprKind::Not(_)
             | ExprKind::Binary { .. }

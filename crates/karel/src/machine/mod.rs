@@ -7,6 +7,7 @@ mod exec;
 pub(crate) mod fault;
 mod link;
 mod operands;
+mod ports;
 mod outward;
 mod power;
 mod system;

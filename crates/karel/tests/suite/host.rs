@@ -6,7 +6,7 @@ use std::{
 };
 
 use karel::{
-    FileId, Host, Input, InputEnd, JointPosition, Limits, Machine, MotionId, MotionRequest,
+    FileId, Host, Port, PortValue, Input, InputEnd, JointPosition, Limits, Machine, MotionId, MotionRequest,
     MoveEnd, OpenMode, Position, Program, Progress, Run, RuntimeError, Status, SysPath, SysValue,
     TaskId, Text, Value, Wait, Xyzwpr, XyzwprExt,
 };
@@ -36,6 +36,7 @@ pub(crate) struct ScriptedHost {
     pub(crate) segments: usize,
     pub(crate) moves: Vec<MotionRequest>,
     pub(crate) variables: BTreeMap<String, Value>,
+    pub(crate) ports: BTreeMap<(Port, i32), PortValue>,
     pub(crate) alarms: Vec<RuntimeError>,
     now: Duration,
     connected: bool,
@@ -59,6 +60,7 @@ impl ScriptedHost {
             variables: variables
                 .map(|(name, value)| (name.to_owned(), value))
                 .into(),
+            ports: BTreeMap::new(),
             alarms: Vec::new(),
             now: Duration::ZERO,
             connected: false,
@@ -254,6 +256,37 @@ impl Host for ScriptedHost {
         } else {
             Status::MOTN_UNREACHABLE
         }
+    }
+
+    /// Eight ports of each kind.
+    fn port(&self, port: Port, number: i32) -> Result<PortValue, Status> {
+        if !(1..=8).contains(&number) {
+            return Err(Status::PRIO_PORT_NUMBER);
+        }
+        let off = if port.is_switch() {
+            PortValue::Switch(false)
+        } else {
+            PortValue::Number(0)
+        };
+        let set = self.ports.get(&(port, number)).copied();
+        // The first digital input comes on after a while.
+        if (port, number) == (Port::DigitalIn, 1) && self.now >= Duration::from_millis(100) {
+            return Ok(PortValue::Switch(true));
+        }
+        Ok(set.unwrap_or(off))
+    }
+
+    fn set_port(
+        &mut self,
+        _: TaskId,
+        port: Port,
+        number: i32,
+        value: PortValue,
+    ) -> Result<(), Status> {
+        let _bounds = self.port(port, number)?;
+        self.note(&format!("{port}[{number}] = {value:?}"));
+        let _old = self.ports.insert((port, number), value);
+        Ok(())
     }
 
     fn current_joints(&mut self, _: TaskId, _: i32) -> Result<JointPosition, Status> {
