@@ -89,6 +89,8 @@ pub struct ControllerConfig {
     pub start_joints: PendantJoints,
     /// Programs to load.
     pub programs: Vec<ProgramSource>,
+    /// Files for `%INCLUDE`; their names are paths from the folder of the programs.
+    pub includes: Vec<ProgramSource>,
     /// Names of the programs to run as tasks. Empty: the first program that is loaded.
     pub run: Vec<String>,
     /// From a port as the program names it to a port of this machine; 0 stands for any free port, which is then kept.
@@ -115,6 +117,7 @@ impl ControllerConfig {
             model: model.clone(),
             start_joints: model.home(),
             programs: Vec::new(),
+            includes: Vec::new(),
             run: Vec::new(),
             port_map: BTreeMap::new(),
             second_client: SecondClient::default(),
@@ -129,6 +132,13 @@ impl ControllerConfig {
     #[must_use]
     pub fn with_program(mut self, program: ProgramSource) -> Self {
         self.programs.push(program);
+        self
+    }
+
+    /// Gives one more file to `%INCLUDE`.
+    #[must_use]
+    pub fn with_include(mut self, file: ProgramSource) -> Self {
+        self.includes.push(file);
         self
     }
 

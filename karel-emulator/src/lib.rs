@@ -69,7 +69,7 @@ mod virtual_controller;
 
 pub use clock::{Clock, Stepper};
 pub use config::{ControllerConfig, Exposure, ProgramSource, SecondClient};
-pub use controller::Controller;
+pub use controller::{CmosMemory, Controller};
 pub use error::{ControllerStopped, StartError};
 pub use labels::PeerLabels;
 pub use ledger::{LedgerEntry, LedgerEvent};

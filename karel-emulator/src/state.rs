@@ -13,8 +13,10 @@ pub struct State {
     pub controller: String,
     /// The arm's model.
     pub model: String,
-    /// Controller time since power-on.
+    /// Controller time since the first power-on.
     pub time_s: f64,
+    /// How often the power was switched off and on.
+    pub power_cycles: u32,
     /// Where the joints are.
     pub joints_deg: JointsDeg,
     /// The limits of the joints.

@@ -10,6 +10,7 @@ use tokio_util::task::TaskTracker;
 use crate::alarms::Alarm;
 use crate::clock::Clock;
 use crate::config::{ControllerConfig, Exposure};
+use crate::controller::CmosMemory;
 use crate::driver::{Command, Driver, Lines};
 use crate::error::{ControllerStopped, StartError};
 use crate::labels::PeerLabels;
@@ -149,12 +150,29 @@ impl VirtualController {
         self.ask(Command::Screen).await
     }
 
+    /// The registers: `R[n]`, `SR[n]`, `PR[n]`.
+    ///
+    /// # Errors
+    /// The controller stopped.
+    pub async fn registers(&self) -> Result<karel::Registers, ControllerStopped> {
+        self.ask(Command::Registers).await
+    }
+
     /// ABORT ALL: every task ends, the arm brakes, connections close.
     ///
     /// # Errors
     /// The controller stopped.
     pub async fn abort_all(&self) -> Result<(), ControllerStopped> {
         self.ask(Command::AbortAll).await
+    }
+
+    /// Switches the power off and on: connections end, the arm brakes, programs start anew.
+    ///
+    /// # Errors
+    /// The controller stopped.
+    pub async fn power_cycle(&self, memory: CmosMemory) -> Result<(), ControllerStopped> {
+        self.ask(|answer| Command::PowerCycle { memory, answer })
+            .await
     }
 
     /// RESET: no alarm is active any more.

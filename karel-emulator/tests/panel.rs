@@ -129,6 +129,7 @@ async fn the_shapes_of_state_and_ledger_are_what_clients_rely_on() {
         "moving",
         "override_percent",
         "pose",
+        "power_cycles",
         "tags",
         "tasks",
         "time_s",

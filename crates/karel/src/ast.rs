@@ -30,10 +30,35 @@ pub(crate) struct Directive {
 
 #[derive(Debug)]
 pub(crate) enum Decl {
-    Const { name: Name, value: Expr },
-    Type { name: Name, ty: TypeExpr },
-    Var { names: Vec<Name>, ty: TypeExpr },
+    Const {
+        name: Name,
+        value: Expr,
+    },
+    Type {
+        name: Name,
+        ty: TypeExpr,
+    },
+    Var {
+        names: Vec<Name>,
+        storage: Option<Storage>,
+        ty: TypeExpr,
+    },
     Routine(Routine),
+}
+
+/// `IN ..`: where a variable lives.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Storage {
+    pub(crate) memory: Memory,
+    pub(crate) span: Span,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Memory {
+    /// Keeps its contents without power: CMOS, and SHADOW, which is a faster copy of it.
+    Cmos,
+    /// Loses them: DRAM and `UNINIT_DRAM`.
+    Dram,
 }
 
 #[derive(Debug)]
@@ -276,6 +301,8 @@ pub(crate) enum StmtKind {
     CloseFile(Path),
     CancelFile(Path),
     Delay(Expr),
+    /// All of them must hold.
+    WaitFor(Vec<Expr>),
     MoveTo {
         target: Expr,
         waits: Waits,

@@ -140,8 +140,8 @@ impl Reports {
 }
 
 fn diagnostic(report: Report, source: &Source) -> Diagnostic {
-    let (line, column) = source.position(report.span.start);
-    let bytes = source.line_bytes(line);
+    let (file, line, column) = source.position(report.span.start);
+    let bytes = source.line_bytes(report.span.start);
     let start = (column as usize - 1).min(bytes.len());
     let on_line = report.span.end().saturating_sub(report.span.start());
     let length = on_line.min(bytes.len() - start).max(1);
@@ -157,7 +157,7 @@ fn diagnostic(report: Report, source: &Source) -> Diagnostic {
         severity: report.severity,
         message: report.message,
         help: report.help,
-        file: source.file_name.clone(),
+        file,
         line,
         column,
         source_line: shown.replace(|c: char| c.is_control(), " "),

@@ -9,7 +9,8 @@ use std::{sync::Arc, time::Duration};
 
 use crate::{
     error::RuntimeError,
-    position::{Position, XyzwprExt},
+    port::{Port, PortValue},
+    position::{JointPosition, Position, XyzwprExt},
     status::Status,
     syspath::SysPath,
     value::{SysValue, Value},
@@ -170,6 +171,29 @@ pub trait Host {
         value: SysValue,
     ) -> Result<(), Status>;
 
+    /// The value of a port; `number` as the program computed it.
+    ///
+    /// # Errors
+    /// [`Status::PRIO_PORT_NUMBER`] if there is no such port; the task ends with it. A host without
+    /// ports keeps this answer.
+    fn port(&self, _port: Port, _number: i32) -> Result<PortValue, Status> {
+        Err(Status::PRIO_PORT_NUMBER)
+    }
+
+    /// Sets an output or a flag; never an input.
+    ///
+    /// # Errors
+    /// As [`Host::port`]; [`Status::INTP_ARGUMENT`] for a number that the port cannot have.
+    fn set_port(
+        &mut self,
+        _task: TaskId,
+        _port: Port,
+        _number: i32,
+        _value: PortValue,
+    ) -> Result<(), Status> {
+        Err(Status::PRIO_PORT_NUMBER)
+    }
+
     /// Where `$UTOOL` is in `$UFRAME` now, with the configuration filled in. `group` from 1.
     ///
     /// # Errors
@@ -187,6 +211,50 @@ pub trait Host {
         group: i32,
     ) -> Status;
 
+    /// Where the joints of a group are now. `group` from 1.
+    ///
+    /// # Errors
+    /// A status that ends the task. A host without an arm keeps this answer; so with the next three.
+    fn current_joints(&mut self, _task: TaskId, _group: i32) -> Result<JointPosition, Status> {
+        Err(Status::INTP_UNDEFINED_BUILTIN)
+    }
+
+    /// Status 0 if the joints are those of the group and inside of its limits.
+    fn check_joints(&mut self, _task: TaskId, _joints: &JointPosition, _group: i32) -> Status {
+        Status::INTP_UNDEFINED_BUILTIN
+    }
+
+    /// Where `tool` is in `user_frame` at these joints, with the configuration filled in.
+    ///
+    /// # Errors
+    /// The status that the program sees.
+    fn joints_to_position(
+        &mut self,
+        _task: TaskId,
+        _joints: &JointPosition,
+        _user_frame: &Position,
+        _tool: &Position,
+        _group: i32,
+    ) -> Result<XyzwprExt, Status> {
+        Err(Status::INTP_UNDEFINED_BUILTIN)
+    }
+
+    /// The joints that bring `tool` to `position` in `user_frame`, inside the joint limits and in
+    /// the position's configuration.
+    ///
+    /// # Errors
+    /// The status that the program sees.
+    fn position_to_joints(
+        &mut self,
+        _task: TaskId,
+        _position: &XyzwprExt,
+        _user_frame: &Position,
+        _tool: &Position,
+        _group: i32,
+    ) -> Result<JointPosition, Status> {
+        Err(Status::INTP_UNDEFINED_BUILTIN)
+    }
+
     /// Queues a motion. `Err` means that an alarm was raised; the task ends with it.
     fn start_motion(
         &mut self,
@@ -196,6 +264,9 @@ pub trait Host {
 
     /// Status 0 when the motion met its termination criterion; another status ends the task.
     fn motion_ended(&mut self, motion: MotionId) -> Progress<Status>;
+
+    /// Cancels what a task moves; another task aborted it and wants that.
+    fn cancel_motions(&mut self, _task: TaskId) {}
 
     /// The machine reports the error that ends a task. Called once for each such end.
     fn post_alarm(&mut self, task: TaskId, alarm: &RuntimeError);

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use crate::{
     ast::{Relation, Waits},
     builtins::Builtin,
+    port::Port,
     syspath::SysPath,
     types::{PositionKind, Type},
     value::Text,
@@ -99,11 +100,20 @@ pub(crate) enum Rare {
     CopyPosition {
         from: PositionKind,
         to: PositionKind,
+        /// Without a value, the target gets none either; else that is INTP-311.
+        may_lack: bool,
+    },
+    /// Copies joints: a source address above a target address, and their cells.
+    CopyJoints {
+        from: u32,
+        to: u32,
     },
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Outward {
+    /// A routine of another program, by a row of the table of externals.
+    CallExternal(u32),
     /// A function reached its END.
     MissingReturn,
     /// No CASE matched.
@@ -121,6 +131,12 @@ pub(crate) enum Outward {
     FetchSystem(u32),
     /// Stores after an output argument was written, uninitialized or not.
     ReturnSystem(u32),
+    /// Its number on the stack.
+    LoadPort(Port),
+    /// Its number above the value.
+    StorePort(Port),
+    /// Waits until conditions are looked at again.
+    Scan,
     OpenFile,
     CloseFile,
     CancelFile,
@@ -142,13 +158,31 @@ pub(crate) struct Code {
     pub(crate) builtins: Vec<BuiltinSite>,
     pub(crate) reads: Vec<ReadShape>,
     pub(crate) writes: Vec<WriteShape>,
+    /// Routines of other programs that are called.
+    pub(crate) externals: Vec<External>,
     /// The main body first.
     pub(crate) routines: Vec<RoutineCode>,
+}
+
+/// A routine of another program as its caller declares it.
+#[derive(Clone, Debug)]
+pub(crate) struct External {
+    pub(crate) program: String,
+    pub(crate) routine: String,
+    pub(crate) signature: Signature,
+}
+
+/// Types of the parameters and of the result. Those of a caller and of the routine must be equal.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Signature {
+    pub(crate) params: Vec<Type>,
+    pub(crate) result: Option<Type>,
 }
 
 #[derive(Debug)]
 pub(crate) struct RoutineCode {
     pub(crate) name: Arc<str>,
+    pub(crate) signature: Signature,
     pub(crate) entry: u32,
     /// Arguments that the caller leaves on the stack.
     pub(crate) args: u32,

@@ -10,15 +10,13 @@ use crate::{
     token::{Keyword, Symbol, Token, TokenKind},
 };
 
-/// Splits `source` into tokens; the last is always [`TokenKind::EndOfFile`].
-pub(crate) fn lex(source: &Source, reports: &mut Reports) -> Vec<Token> {
+/// Splits one file of `source` into tokens; the last is always [`TokenKind::EndOfFile`].
+pub(crate) fn lex(source: &Source, file: Span, reports: &mut Reports) -> Vec<Token> {
+    let marked = source.slice(file).starts_with(UTF8_MARK);
+    let mark = if marked { UTF8_MARK.len() } else { 0 };
     let mut lexer = Lexer {
-        bytes: &source.bytes,
-        offset: if source.bytes.starts_with(UTF8_MARK) {
-            UTF8_MARK.len()
-        } else {
-            0
-        },
+        bytes: source.bytes.get(..file.end()).unwrap_or_default(),
+        offset: file.start() + mark,
         depth: 0,
         tokens: Vec::new(),
         reports,
@@ -26,7 +24,7 @@ pub(crate) fn lex(source: &Source, reports: &mut Reports) -> Vec<Token> {
     while lexer.offset < lexer.bytes.len() && !lexer.reports.is_full() {
         lexer.step();
     }
-    let end = source.bytes.len();
+    let end = file.end();
     lexer.tokens.push(Token {
         kind: TokenKind::LineEnd,
         span: Span::new(end, end),

@@ -71,16 +71,20 @@
 mod ast;
 mod builtins;
 mod check;
+mod cmos;
 mod diagnostic;
 mod error;
 mod host;
+mod include;
 mod ir;
 mod lexer;
 mod lower;
 mod machine;
 mod parser;
+mod port;
 mod position;
 mod program;
+mod registers;
 mod run;
 mod sexpr;
 mod span;
@@ -94,15 +98,19 @@ mod typed;
 mod types;
 mod value;
 
+pub use cmos::{Cmos, Scalar};
 pub use diagnostic::{Diagnostic, Severity, render};
 pub use error::{CallSite, RuntimeError};
 pub use host::{
     FileId, Host, Input, InputEnd, MotionId, MotionRequest, MoveEnd, OpenMode, Progress, TaskId,
     Wait,
 };
+pub use include::{IncludeFile, IncludeFiles, Includes};
 pub use machine::{LoadError, Machine, StartError};
-pub use position::{Config, Elbow, Front, Position, Wrist, Xyzwpr, XyzwprExt};
+pub use port::{Port, PortValue};
+pub use position::{Config, Elbow, Front, JointPosition, Position, Wrist, Xyzwpr, XyzwprExt};
 pub use program::{Program, syntax_tree};
+pub use registers::{Number, PositionRegister, RegisterCounts, Registers};
 pub use run::{Limits, Run, Slice, TaskState, TaskView};
 pub use status::Status;
 pub use syspath::{Step, SysPath, SysPathError};

@@ -4,8 +4,10 @@
 
 use std::fmt;
 
+use serde::{Deserialize, Serialize};
+
 /// Which way the wrist bends.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Wrist {
     /// `F`.
     Flip,
@@ -15,7 +17,7 @@ pub enum Wrist {
 }
 
 /// Where the elbow is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Elbow {
     /// `U`.
     #[default]
@@ -25,7 +27,7 @@ pub enum Elbow {
 }
 
 /// Whether the arm reaches to its front or over its back.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Front {
     /// `T`, toward the front.
     #[default]
@@ -38,7 +40,7 @@ pub enum Front {
 ///
 /// `Display` writes `N U T, 0, 0, 0`. The default is the one KAREL assumes when a program fills
 /// only x..r of a position: no flip, elbow up, front, no turns.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Config {
     /// Flip or no flip.
     pub wrist: Wrist,
@@ -133,7 +135,7 @@ pub struct Position {
 }
 
 /// `XYZWPREXT`: a position with its configuration and up to three extended axes.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct XyzwprExt {
     /// X in millimeters.
     pub x: f32,
@@ -151,6 +153,13 @@ pub struct XyzwprExt {
     pub config: Config,
     /// Extended axes, millimeters or degrees; zero where there is none.
     pub ext: [f32; 3],
+}
+
+/// `JOINTPOS`: angles as the pendant shows them, in degrees; millimeters for linear axes.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct JointPosition {
+    /// One to nine axes, J1 first.
+    pub axes: Vec<f32>,
 }
 
 impl From<Xyzwpr> for Position {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::{
     error::{CallSite, RuntimeError},
     host::Wait,
+    registers::RegisterCounts,
 };
 
 /// Bounds of a machine; every one of them ends in an error, never in a clamp.
@@ -18,6 +19,8 @@ pub struct Limits {
     pub programs: usize,
     /// Tasks that may exist, ended ones included.
     pub tasks: usize,
+    /// Registers.
+    pub registers: RegisterCounts,
 }
 
 impl Default for Limits {
@@ -27,6 +30,7 @@ impl Default for Limits {
             stack_cells: 1 << 18,
             programs: 64,
             tasks: 64,
+            registers: RegisterCounts::default(),
         }
     }
 }

@@ -69,7 +69,7 @@ impl Printer {
                 Decl::Type { name, ty } => {
                     self.line(&format!("(type {} {})", name.text, type_expr(ty)));
                 }
-                Decl::Var { names, ty } => {
+                Decl::Var { names, ty, .. } => {
                     let names: Vec<&str> = names.iter().map(|name| name.text.as_str()).collect();
                     self.line(&format!("(var ({}) {})", names.join(" "), type_expr(ty)));
                 }
@@ -180,6 +180,10 @@ impl Printer {
             }
             StmtKind::CloseFile(file) => self.line(&format!("(close-file {})", path(file))),
             StmtKind::CancelFile(file) => self.line(&format!("(cancel-file {})", path(file))),
+            StmtKind::WaitFor(conditions) => {
+                let list: Vec<String> = conditions.iter().map(expr).collect();
+                self.line(&format!("(wait-for {})", list.join(" ")));
+            }
             StmtKind::Delay(time) => self.line(&format!("(delay {})", expr(time))),
             StmtKind::MoveTo { target, waits } => {
                 let word = match waits {

@@ -39,56 +39,91 @@ fn saturating_u32(offset: usize) -> u32 {
     u32::try_from(offset).unwrap_or(u32::MAX)
 }
 
-/// A source with the starts of its lines.
+/// A program's source and the files that it includes, one behind the other.
 #[derive(Clone, Debug)]
 pub(crate) struct Source {
-    pub(crate) file_name: Arc<str>,
-    pub(crate) bytes: Arc<[u8]>,
+    pub(crate) bytes: Vec<u8>,
+    files: Vec<File>,
+}
+
+#[derive(Clone, Debug)]
+struct File {
+    name: Arc<str>,
+    start: u32,
+    end: u32,
     line_starts: Vec<u32>,
 }
 
 impl Source {
     pub(crate) fn new(bytes: &[u8], file_name: &str) -> Source {
+        let mut source = Source {
+            bytes: Vec::new(),
+            files: Vec::new(),
+        };
+        let _program = source.add(bytes, file_name);
+        source
+    }
+
+    /// Adds an included file and returns where it is.
+    pub(crate) fn add(&mut self, bytes: &[u8], file_name: &str) -> Span {
+        if !self.files.is_empty() {
+            // The end of one file is not the start of the next.
+            self.bytes.push(b'\n');
+        }
+        let start = self.bytes.len();
+        self.bytes.extend_from_slice(bytes);
         let after_line_ends = bytes
             .iter()
             .enumerate()
             .filter(|(_, byte)| **byte == b'\n')
-            .map(|(offset, _)| saturating_u32(offset + 1));
-        Source {
-            file_name: file_name.into(),
-            bytes: bytes.into(),
-            line_starts: std::iter::once(0).chain(after_line_ends).collect(),
-        }
+            .map(|(offset, _)| saturating_u32(start + offset + 1));
+        let span = Span::new(start, self.bytes.len());
+        self.files.push(File {
+            name: file_name.into(),
+            start: span.start,
+            end: span.end,
+            line_starts: std::iter::once(span.start).chain(after_line_ends).collect(),
+        });
+        span
     }
 
-    /// Line and column, both from 1; columns count bytes.
-    pub(crate) fn position(&self, offset: u32) -> (u32, u32) {
-        let line = self.line_starts.partition_point(|start| *start <= offset);
-        let start = self
-            .line_starts
-            .get(line.wrapping_sub(1))
-            .copied()
-            .unwrap_or(0);
-        (saturating_u32(line), offset - start + 1)
+    /// The program itself, without what it includes.
+    pub(crate) fn program(&self) -> Span {
+        self.files.first().map_or(Span::default(), |file| Span {
+            start: file.start,
+            end: file.end,
+        })
     }
 
+    fn file(&self, offset: u32) -> &File {
+        let after = self.files.partition_point(|file| file.start <= offset);
+        let file = self.files.get(after.wrapping_sub(1));
+        file.expect("the program is a file that starts at 0")
+    }
+
+    /// Name of the file, line and column, both from 1; columns count bytes.
+    pub(crate) fn position(&self, offset: u32) -> (Arc<str>, u32, u32) {
+        let file = self.file(offset);
+        let line = file.line_starts.partition_point(|start| *start <= offset);
+        let start = file.line_starts.get(line.wrapping_sub(1));
+        let start = start.copied().unwrap_or(file.start);
+        (file.name.clone(), saturating_u32(line), offset - start + 1)
+    }
+
+    /// The line within its file.
     pub(crate) fn line(&self, span: Span) -> u32 {
-        self.position(span.start).0
+        self.position(span.start).1
     }
 
-    /// The bytes of a line, counted from 1, without its end.
-    pub(crate) fn line_bytes(&self, line: u32) -> &[u8] {
-        let index = line.saturating_sub(1) as usize;
-        let start = self
-            .line_starts
-            .get(index)
-            .map_or(self.bytes.len(), |start| *start as usize);
-        let end = self
-            .line_starts
-            .get(index + 1)
-            .map_or(self.bytes.len(), |end| *end as usize);
+    /// The bytes of the line at `offset`, without its end.
+    pub(crate) fn line_bytes(&self, offset: u32) -> &[u8] {
+        let file = self.file(offset);
+        let next = file.line_starts.partition_point(|start| *start <= offset);
+        let start = file.line_starts.get(next.wrapping_sub(1));
+        let start = start.copied().unwrap_or(file.start);
+        let end = file.line_starts.get(next).copied().unwrap_or(file.end);
         self.bytes
-            .get(start..end)
+            .get(start as usize..end as usize)
             .unwrap_or_default()
             .trim_ascii_end()
     }
@@ -112,10 +147,22 @@ mod tests {
         for text in ["ab\ncd\n", "ab\r\ncd\r\n"] {
             let source = Source::new(text.as_bytes(), "t.kl");
             let offset = u32::try_from(text.find('d').unwrap()).unwrap();
-            assert_eq!(source.position(offset), (2, 2));
-            assert_eq!(source.line_bytes(1), b"ab");
-            assert_eq!(source.line_bytes(2), b"cd");
-            assert_eq!(source.line_bytes(9), b"");
+            assert_eq!(source.position(offset), ("t.kl".into(), 2, 2));
+            assert_eq!(source.line_bytes(0), b"ab");
+            assert_eq!(source.line_bytes(offset), b"cd");
+            let end = source.program().end;
+            assert_eq!(source.line_bytes(end), b"");
         }
+    }
+
+    #[test]
+    fn an_included_file_has_lines_of_its_own() {
+        let mut source = Source::new(b"ab\ncd", "t.kl");
+        let included = source.add(b"x\ny", "u.kl");
+        let y = included.start + 2;
+        assert_eq!(source.position(y), ("u.kl".into(), 2, 1));
+        assert_eq!(source.line_bytes(y), b"y");
+        assert_eq!(source.position(source.program().end).0, "t.kl".into());
+        assert_eq!(source.line_bytes(source.program().end), b"cd");
     }
 }

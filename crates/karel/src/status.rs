@@ -16,6 +16,13 @@ impl Status {
     pub const FILE_END: Status = Status(2021);
     /// FILE-032: illegal parameter, such as an open mode that does not exist.
     pub const FILE_ILLEGAL_PARAMETER: Status = Status(2032);
+    /// PROG-001: a program that shall run runs already.
+    ///
+    /// ASSUMPTION: this number and that of PROG-002 are ours; programs in the field only compare
+    /// with 0.
+    pub const PROG_RUNNING: Status = Status(3001);
+    /// PROG-002: a task that shall be ended or looked at does not run, or cannot be started.
+    pub const PROG_NO_TASK: Status = Status(3002);
     /// MEMO-073: the program does not exist.
     pub const MEMO_NO_PROGRAM: Status = Status(7073);
 
@@ -35,6 +42,8 @@ impl Status {
     pub const INTP_SUBSCRIPT: Status = Status(12310);
     /// INTP-311: uninitialized data is used.
     pub const INTP_UNINIT: Status = Status(12311);
+    /// INTP-316: a routine or program cannot be called.
+    pub const INTP_CALL_FAILED: Status = Status(12316);
     /// INTP-319: the type of a value does not fit.
     pub const INTP_TYPE: Status = Status(12319);
     /// INTP-320: the built-in does not exist on this controller.
@@ -123,8 +132,27 @@ impl Status {
     }
 }
 
+/// What `GET_TSK_INFO` asks for and answers.
+///
+/// ASSUMPTION: the numbers are ours; programs use the names.
+pub(crate) mod task {
+    /// `TSK_STATUS`.
+    pub(crate) const STATUS: i32 = 1;
+    /// `TSK_LINENUM`.
+    pub(crate) const LINE: i32 = 2;
+    /// `TSK_PROGNAME`.
+    pub(crate) const PROGRAM: i32 = 3;
+    /// `PG_RUNNING`.
+    pub(crate) const RUNNING: i32 = 1;
+    /// `PG_PAUSED`.
+    pub(crate) const PAUSED: i32 = 2;
+    /// `PG_ABORTED`: ended, or never started.
+    pub(crate) const ABORTED: i32 = 3;
+}
+
 const FACILITIES: &[(i32, &str)] = &[
     (2, "FILE"),
+    (3, "PROG"),
     (7, "MEMO"),
     (11, "SRVO"),
     (12, "INTP"),

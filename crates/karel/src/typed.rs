@@ -4,6 +4,8 @@
 use crate::{
     ast::{Direction, Relation, Waits},
     builtins::Builtin,
+    ir::Signature,
+    port::Port,
     span::Span,
     types::Type,
     value::Text,
@@ -18,7 +20,7 @@ pub(crate) struct Routine {
     pub(crate) first_local: u32,
     /// Cells of FILE locals, which are closed when the routine returns.
     pub(crate) files: Vec<u32>,
-    pub(crate) result: Option<Type>,
+    pub(crate) signature: Signature,
     pub(crate) labels: u32,
     pub(crate) body: Vec<Stmt>,
     pub(crate) end: Span,
@@ -82,6 +84,8 @@ pub(crate) enum StmtKind {
     CloseFile(Place),
     CancelFile(Place),
     Delay(Expr),
+    /// A condition that is looked at again and again until it holds.
+    WaitFor(Expr),
     MoveTo {
         target: Expr,
         waits: Waits,
@@ -111,6 +115,14 @@ pub(crate) enum WriteItem {
 pub(crate) enum Target {
     Place(Place),
     System(SystemPlace),
+    Port(PortPlace),
+}
+
+/// A port of an array.
+#[derive(Debug)]
+pub(crate) struct PortPlace {
+    pub(crate) port: Port,
+    pub(crate) number: Box<Expr>,
 }
 
 #[derive(Debug)]
@@ -124,6 +136,7 @@ pub(crate) enum ExprKind {
     Constant(Constant),
     Place(Place),
     System(SystemPlace),
+    Port(PortPlace),
     Call(Call),
     Builtin(BuiltinCall),
     Negate(Box<Expr>),
@@ -137,6 +150,8 @@ pub(crate) enum ExprKind {
     ToReal(Box<Expr>),
     /// One cartesian type to another, the expression's.
     ToPosition(Box<Expr>),
+    /// One joint type to another, the expression's.
+    ToJoints(Box<Expr>),
 }
 
 /// Binary operators; both operands have the same type, which selects the instruction.
@@ -224,9 +239,18 @@ pub(crate) enum SystemStep {
 
 #[derive(Debug)]
 pub(crate) struct Call {
-    pub(crate) routine: u32,
+    pub(crate) callee: Callee,
     pub(crate) args: Vec<Arg>,
     pub(crate) result: Option<Type>,
+}
+
+/// Which routine is called.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Callee {
+    /// By its number among the routines of the program.
+    Here(u32),
+    /// By a row of the table of externals.
+    External(u32),
 }
 
 #[derive(Debug)]

@@ -25,6 +25,7 @@ pub(crate) enum Type {
     File,
     Config,
     Position(PositionKind),
+    Joints(JointKind),
     Array(Arc<ArrayType>),
     Structure(Arc<StructureType>),
     /// A type that was reported already; fits everything.
@@ -46,6 +47,27 @@ pub(crate) enum PositionKind {
     Xyzwpr,
     XyzwprExt,
 }
+
+/// `JOINTPOS` and `JOINTPOS1` to `JOINTPOS9`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum JointKind {
+    /// As many axes as the group has; the cells behind them are uninitialized.
+    OfGroup,
+    /// This many.
+    Axes(u8),
+}
+
+impl JointKind {
+    pub(crate) fn size(self) -> u32 {
+        match self {
+            JointKind::OfGroup => MAX_AXES,
+            JointKind::Axes(axes) => u32::from(axes),
+        }
+    }
+}
+
+/// Axes of a motion group.
+pub(crate) const MAX_AXES: u32 = 9;
 
 #[derive(Debug, PartialEq)]
 pub(crate) struct ArrayType {
@@ -124,6 +146,7 @@ impl Type {
             | Type::Config
             | Type::Error => 1,
             Type::Position(kind) => kind.size(),
+            Type::Joints(kind) => kind.size(),
             Type::Array(array) => array
                 .dims
                 .iter()
@@ -144,6 +167,7 @@ impl Type {
             | Type::File
             | Type::Config
             | Type::Position(_)
+            | Type::Joints(_)
             | Type::Error => 0,
         }
     }
@@ -174,7 +198,7 @@ impl Type {
     pub(crate) fn is_scalar(&self) -> bool {
         !matches!(
             self,
-            Type::Position(_) | Type::Array(_) | Type::Structure(_)
+            Type::Position(_) | Type::Joints(_) | Type::Array(_) | Type::Structure(_)
         )
     }
 
@@ -200,8 +224,41 @@ impl Type {
             | Type::Text(_)
             | Type::File
             | Type::Config
+            | Type::Joints(_)
             | Type::Array(_)
             | Type::Error => None,
+        }
+    }
+
+    /// The types of its cells, in order.
+    pub(crate) fn leaves(&self, leaves: &mut Vec<Type>) {
+        match self {
+            Type::Position(kind) => {
+                let cells = 0..kind.size();
+                leaves.extend(cells.map(|cell| match cell {
+                    CONFIG_OFFSET => Type::Config,
+                    _ => Type::Real,
+                }));
+            }
+            Type::Joints(kind) => leaves.extend((0..kind.size()).map(|_| Type::Real)),
+            Type::Array(array) => {
+                let count: u32 = array.dims.iter().product();
+                for _ in 0..count {
+                    array.element.leaves(leaves);
+                }
+            }
+            Type::Structure(structure) => {
+                for field in &structure.fields {
+                    field.ty.leaves(leaves);
+                }
+            }
+            Type::Integer
+            | Type::Real
+            | Type::Boolean
+            | Type::Text(_)
+            | Type::File
+            | Type::Config
+            | Type::Error => leaves.push(self.clone()),
         }
     }
 
@@ -219,6 +276,7 @@ impl Type {
             | Type::Text(_)
             | Type::Config
             | Type::Position(_)
+            | Type::Joints(_)
             | Type::Error => false,
         }
     }
@@ -237,6 +295,8 @@ impl fmt::Display for Type {
             Type::Position(PositionKind::Position) => f.write_str("POSITION"),
             Type::Position(PositionKind::Xyzwpr) => f.write_str("XYZWPR"),
             Type::Position(PositionKind::XyzwprExt) => f.write_str("XYZWPREXT"),
+            Type::Joints(JointKind::OfGroup) => f.write_str("JOINTPOS"),
+            Type::Joints(JointKind::Axes(axes)) => write!(f, "JOINTPOS{axes}"),
             Type::Array(array) if array.dims.is_empty() => write!(f, "ARRAY OF {}", array.element),
             Type::Array(array) => {
                 let dims: Vec<String> = array.dims.iter().map(u32::to_string).collect();

@@ -2,7 +2,7 @@
 
 use std::{fmt, sync::Arc};
 
-use crate::position::{Config, Position, Xyzwpr, XyzwprExt};
+use crate::position::{Config, JointPosition, Position, Xyzwpr, XyzwprExt};
 
 /// A KAREL string: at most 254 bytes, any byte allowed, cheap to clone.
 #[derive(Clone, Default, PartialEq, Eq, Hash)]
@@ -90,6 +90,8 @@ pub enum Value {
     XyzwprExt(XyzwprExt),
     /// `POSITION`, millimeters and degrees.
     Position(Position),
+    /// `JOINTPOS`, degrees, millimeters for linear axes.
+    Joints(JointPosition),
 }
 
 impl Value {
@@ -104,7 +106,8 @@ impl Value {
             | Value::Real(_)
             | Value::Boolean(_)
             | Value::String(_)
-            | Value::Config(_) => None,
+            | Value::Config(_)
+            | Value::Joints(_) => None,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Programs from source to machine.
 
-use karel::{Machine, Program};
+use karel::{IncludeFiles, Machine, Program};
 
 use crate::config::{Limits, ProgramSource};
 use crate::error::StartError;
@@ -9,6 +9,7 @@ use crate::error::StartError;
 pub(super) fn load(
     machine: &mut Machine,
     programs: &[ProgramSource],
+    includes: &[ProgramSource],
     limits: Limits,
 ) -> Result<Vec<String>, StartError> {
     if programs.is_empty() {
@@ -20,6 +21,10 @@ pub(super) fn load(
             limit: limits.programs,
         });
     }
+    let mut files = IncludeFiles::default();
+    for ProgramSource { name, text } in includes {
+        files.insert(name, text.as_slice());
+    }
     let mut names = Vec::new();
     for ProgramSource { name: file, text } in programs {
         if text.len() > limits.program_bytes {
@@ -29,7 +34,7 @@ pub(super) fn load(
                 limit: limits.program_bytes,
             });
         }
-        let program = Program::parse_and_check(text, file).map_err(|diagnostics| {
+        let program = Program::with_includes(text, file, &files).map_err(|diagnostics| {
             let rendered: Vec<String> = diagnostics.iter().map(ToString::to_string).collect();
             StartError::Program {
                 file: file.clone(),
@@ -45,6 +50,9 @@ pub(super) fn load(
             file: file.clone(),
             reason: error.to_string(),
         })?;
+    }
+    for routine in machine.unresolved() {
+        tracing::warn!("No loaded program has the routine {routine}; calling it ends the task.");
     }
     Ok(names)
 }

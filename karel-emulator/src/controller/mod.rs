@@ -8,7 +8,10 @@
 //! spends its share and rests.
 
 mod load;
+mod power;
 mod snapshot;
+
+pub use power::CmosMemory;
 
 use std::time::Duration;
 
@@ -42,7 +45,13 @@ pub struct Controller {
     machine: Machine,
     hardware: Hardware,
     tasks: Vec<Task>,
+    /// [`Machine::task_changes`] that `tasks` follows.
+    task_changes: u64,
     limits: Limits,
+    /// Programs that run from power-on.
+    run: Vec<String>,
+    /// How often the power was switched on again.
+    power_cycles: u32,
 }
 
 #[derive(Debug)]
@@ -79,34 +88,29 @@ impl Controller {
             })?;
         let limits = config.limits;
         let mut machine = Machine::new(karel::Limits::default());
-        let names = load::load(&mut machine, &config.programs, limits)?;
+        let names = load::load(&mut machine, &config.programs, &config.includes, limits)?;
         let run = if config.run.is_empty() {
             names.into_iter().take(1).collect()
         } else {
             config.run.clone()
         };
-        let mut tasks = Vec::new();
-        for name in run {
-            let id = machine.start(&name).map_err(|error| StartError::Task {
+        for name in &run {
+            let _task = machine.start(name).map_err(|error| StartError::Task {
                 name: name.clone(),
                 reason: error.to_string(),
             })?;
-            tasks.push(Task {
-                id,
-                phase: Phase::Ready,
-                share: 0,
-                period: Duration::ZERO,
-            });
         }
-        for task in &mut tasks {
-            task.share = limits.instructions_per_ms;
-        }
-        Ok(Self {
+        let mut controller = Self {
             machine,
             hardware: Hardware::new(config),
-            tasks,
+            tasks: Vec::new(),
+            task_changes: 0,
             limits,
-        })
+            run,
+            power_cycles: 0,
+        };
+        controller.follow_tasks();
+        Ok(controller)
     }
 
     /// Controller time since power-on.
@@ -190,6 +194,12 @@ impl Controller {
     /// RESET: no alarm is active any more.
     pub fn reset(&mut self) {
         self.hardware.alarms.reset();
+    }
+
+    /// The registers of the controller: `R[n]`, `SR[n]`, `PR[n]`.
+    #[must_use]
+    pub fn registers(&self) -> &karel::Registers {
+        self.machine.registers()
     }
 
     /// Where the joints are, in degrees.
@@ -285,8 +295,40 @@ impl Controller {
             tracing::info!(controller = %self.hardware.name, task = id.0, "A KAREL task is over.");
             self.hardware.release_ports(id);
         }
+        self.follow_tasks();
         self.wake_tasks();
         true
+    }
+
+    /// Takes over tasks that programs have started, and drops those that programs have ended.
+    fn follow_tasks(&mut self) {
+        if self.machine.task_changes() == self.task_changes {
+            return;
+        }
+        self.task_changes = self.machine.task_changes();
+        let ids: Vec<TaskId> = self.machine.tasks().collect();
+        for task in &mut self.tasks {
+            if !matches!(task.phase, Phase::Over) && !self.machine.is_alive(task.id) {
+                tracing::info!(
+                    controller = %self.hardware.name, task = task.id.0,
+                    "A KAREL task was ended by another.",
+                );
+                self.hardware.release_ports(task.id);
+                task.phase = Phase::Over;
+            }
+        }
+        self.tasks.retain(|task| ids.contains(&task.id));
+        self.hardware.forget_tasks(&ids);
+        for id in ids {
+            if self.tasks.iter().all(|task| task.id != id) {
+                self.tasks.push(Task {
+                    id,
+                    phase: Phase::Ready,
+                    share: self.limits.instructions_per_ms,
+                    period: self.hardware.now,
+                });
+            }
+        }
     }
 
     fn wake_tasks(&mut self) {

@@ -23,6 +23,7 @@ impl Controller {
             controller: hardware.name.to_string(),
             model: model.name().to_owned(),
             time_s: seconds(hardware.now),
+            power_cycles: self.power_cycles,
             joints_deg: joints.degrees().into(),
             limits_deg: kinematics::Axis::ALL
                 .into_iter()

@@ -17,7 +17,7 @@ use tokio_util::task::TaskTracker;
 use crate::alarms::Alarm;
 use crate::clock::{Clock, Timekeeper};
 use crate::config::ControllerConfig;
-use crate::controller::{Advance, Controller};
+use crate::controller::{Advance, CmosMemory, Controller};
 use crate::effects::Event;
 use crate::error::StartError;
 use crate::labels::PeerLabels;
@@ -42,6 +42,11 @@ pub(crate) enum Command {
     Alarms(oneshot::Sender<Page<Alarm>>),
     Screen(oneshot::Sender<Vec<String>>),
     AbortAll(oneshot::Sender<()>),
+    Registers(oneshot::Sender<karel::Registers>),
+    PowerCycle {
+        memory: CmosMemory,
+        answer: oneshot::Sender<()>,
+    },
     Reset(oneshot::Sender<()>),
 }
 
@@ -218,6 +223,12 @@ impl Driver {
             Command::Screen(answer) => answer.send(self.core.screen()).map_err(drop),
             Command::AbortAll(answer) => {
                 self.core.abort_all();
+                answer.send(()).map_err(drop)
+            }
+            Command::Registers(answer) => answer.send(self.core.registers().clone()).map_err(drop),
+            Command::PowerCycle { memory, answer } => {
+                self.core.power_cycle(memory);
+                self.apply_effects();
                 answer.send(()).map_err(drop)
             }
             Command::Reset(answer) => {

@@ -78,11 +78,14 @@ impl Hardware {
             let (frame, tool) = self.frames()?;
             self.planner.position(&joints, &frame, &tool)
         });
-        position.map_err(|refusal| {
-            let status = refusal.status;
-            let _replaced = self.refusals.insert(task, refusal);
-            status
-        })
+        position.map_err(|refusal| self.keep_refusal(task, refusal))
+    }
+
+    /// Keeps the words for the alarm that the status becomes.
+    pub(super) fn keep_refusal(&mut self, task: TaskId, refusal: Refusal) -> Status {
+        let status = refusal.status;
+        let _replaced = self.refusals.insert(task, refusal);
+        status
     }
 
     /// `$UFRAME` and `$UTOOL`.

@@ -3,12 +3,13 @@
 use std::time::Duration;
 
 use karel::{
-    FileId, Host, Input, MotionId, MotionRequest, OpenMode, Position, Progress, RuntimeError,
-    Status, SysPath, SysValue, TaskId, Value, XyzwprExt,
+    FileId, Host, Input, JointPosition, MotionId, MotionRequest, OpenMode, Position, Progress,
+    RuntimeError, Status, SysPath, SysValue, TaskId, Value, XyzwprExt,
 };
 
 use super::Hardware;
 use super::arm::only_group;
+use crate::motion::planner::{joint_position, pendant_joints};
 use crate::sysvars::Reading;
 
 impl Host for Hardware {
@@ -96,6 +97,46 @@ impl Host for Hardware {
         }
     }
 
+    fn current_joints(&mut self, task: TaskId, group: i32) -> Result<JointPosition, Status> {
+        only_group(group).map_err(|refusal| self.keep_refusal(task, refusal))?;
+        let joints = self.executor.joints(self.now);
+        Ok(joint_position(&joints))
+    }
+
+    fn check_joints(&mut self, _task: TaskId, joints: &JointPosition, group: i32) -> Status {
+        let checked = only_group(group).and_then(|()| self.planner.within_limits(joints));
+        checked.err().map_or(Status::OK, |refusal| refusal.status)
+    }
+
+    fn joints_to_position(
+        &mut self,
+        _task: TaskId,
+        joints: &JointPosition,
+        user_frame: &Position,
+        tool: &Position,
+        group: i32,
+    ) -> Result<XyzwprExt, Status> {
+        let position = only_group(group).and_then(|()| {
+            let joints = pendant_joints(joints)?;
+            self.planner.position(&joints, user_frame, tool)
+        });
+        position.map_err(|refusal| refusal.status)
+    }
+
+    fn position_to_joints(
+        &mut self,
+        _task: TaskId,
+        position: &XyzwprExt,
+        user_frame: &Position,
+        tool: &Position,
+        group: i32,
+    ) -> Result<JointPosition, Status> {
+        let solved =
+            only_group(group).and_then(|()| self.planner.joints(position, user_frame, tool));
+        let joints = solved.map_err(|refusal| refusal.status)?;
+        Ok(joint_position(&joints))
+    }
+
     fn start_motion(
         &mut self,
         task: TaskId,
@@ -106,6 +147,10 @@ impl Host for Hardware {
 
     fn motion_ended(&mut self, motion: MotionId) -> Progress<Status> {
         self.outcome(motion)
+    }
+
+    fn cancel_motions(&mut self, task: TaskId) {
+        self.stop_arm_of(task, "The task was aborted by another");
     }
 
     fn post_alarm(&mut self, task: TaskId, alarm: &RuntimeError) {

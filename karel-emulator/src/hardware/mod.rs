@@ -16,6 +16,7 @@ use karel::{FileId, MotionId, RuntimeError, Status, TaskId, Wait};
 
 use crate::alarms::{Alarm, AlarmLog, Severity};
 use crate::config::ControllerConfig;
+use crate::controller::CmosMemory;
 use crate::effects::{ConnectionId, Effect, Tag};
 use crate::ledger::{Ledger, PoseMmDeg, seconds};
 use crate::motion::{Executor, Planner, Refusal};
@@ -144,6 +145,29 @@ impl Hardware {
 
     pub(crate) fn take_wakes(&mut self) -> Vec<Wake> {
         std::mem::take(&mut self.wakes)
+    }
+
+    /// Power off and on: connections end, the arm brakes; without a battery, variables are as when new.
+    pub(crate) fn power_cycle(&mut self, memory: CmosMemory) {
+        self.close_connections();
+        for slot in &mut self.tags {
+            slot.task = None;
+        }
+        self.stop_arm("The power was switched off");
+        self.alarms.reset();
+        self.screen.clear();
+        self.forget_tasks(&[]);
+        self.wakes.clear();
+        if memory == CmosMemory::Lost {
+            self.variables = SystemVariables::new();
+        }
+        self.follow_override();
+    }
+
+    /// Drops what is remembered of tasks that do not exist any more.
+    pub(crate) fn forget_tasks(&mut self, alive: &[TaskId]) {
+        self.origins.retain(|task, _| alive.contains(task));
+        self.refusals.retain(|task, _| alive.contains(task));
     }
 
     /// Adds an alarm to the log, and to the trace.

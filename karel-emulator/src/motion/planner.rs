@@ -1,6 +1,6 @@
 //! From a KAREL position to joints, or to the alarm that says why not.
 
-use karel::{Config, Position, Status, XyzwprExt};
+use karel::{Config, JointPosition, Position, Status, XyzwprExt};
 use kinematics::{
     ArmModel, Configuration, Elbow, Flip, Frames, Front, IkError, Obstacle, PendantJoints, Pose,
     PoseError, Seed, Xyzwpr,
@@ -94,6 +94,17 @@ impl Planner {
         Ok(joints)
     }
 
+    /// Whether the arm may stand at these joints.
+    ///
+    /// # Errors
+    /// Not six axes, or outside of the joint limits.
+    pub fn within_limits(&self, joints: &JointPosition) -> Result<(), Refusal> {
+        let joints = pendant_joints(joints)?;
+        self.model.check_limits(&joints).map_err(|violations| {
+            Refusal::new(Status::MOTN_LIMIT, format!("Limit error: {violations}"))
+        })
+    }
+
     /// Where `tool` is in `user_frame` when the arm stands at `joints`, with the configuration filled in.
     ///
     /// # Errors
@@ -140,6 +151,29 @@ impl Planner {
             .tcp_in_user_frame(&self.model.forward(joints))
             .xyzwpr();
         Some(components(&tcp).into())
+    }
+}
+
+/// KAREL's joints as the arm's.
+///
+/// # Errors
+/// Not six axes, or an angle that is no number.
+pub fn pendant_joints(joints: &JointPosition) -> Result<PendantJoints, Refusal> {
+    let refused = |text: String| Refusal::new(Status::MOTN_LIMIT, text);
+    let axes = <[f32; 6]>::try_from(joints.axes.as_slice()).map_err(|_| {
+        refused(format!(
+            "the joint position has {} axes, this arm has 6",
+            joints.axes.len()
+        ))
+    })?;
+    PendantJoints::try_from_degrees(axes.map(f64::from)).map_err(|error| refused(error.to_string()))
+}
+
+/// The arm's joints as KAREL's.
+#[must_use]
+pub fn joint_position(joints: &PendantJoints) -> JointPosition {
+    JointPosition {
+        axes: joints.degrees().map(to_f32).to_vec(),
     }
 }
 

@@ -2,9 +2,12 @@
 
 mod convert;
 mod file;
+mod joints;
 mod math;
 mod motion;
+mod register;
 mod string;
+mod task;
 mod variable;
 
 use std::time::Duration;
@@ -13,11 +16,14 @@ use crate::{
     host::{Host, TaskId, Wait},
     ir::BuiltinSite,
     machine::{
-        Loaded,
+        Loaded, Tasks,
         cell::{Address, Cell, Memory},
         fault::Fault,
     },
+    position::{JointPosition, XyzwprExt},
     program::Program,
+    registers::Registers,
+    run::Limits,
     status::Status,
     types::{PositionKind, Type},
     value::Text,
@@ -42,10 +48,24 @@ pub(crate) enum Param {
     /// INTEGER or REAL, not converted.
     Number,
     Text,
+    Boolean,
     Position(PositionKind),
     OutInteger,
     OutReal,
     OutText,
+    OutBoolean,
+    Config,
+    OutConfig,
+    /// Any joint type.
+    Joints,
+    OutJoints,
+    /// A variable of any cartesian type.
+    OutPosition,
+    /// A variable, ARRAY OF REAL.
+    RealArray,
+    /// Read, perhaps written: a variable, or a constant, which is only read.
+    InOutInteger,
+    InOutText,
     /// A variable of any type, also a system variable.
     OutAny,
     /// A FILE variable.
@@ -65,6 +85,7 @@ pub(crate) enum Returns {
     Boolean,
     Text,
     XyzwprExt,
+    Joints,
     SameAsFirst,
 }
 
@@ -75,6 +96,8 @@ pub(crate) enum Outcome {
     Value(Cell),
     /// It is called again with the same arguments.
     Pending(Wait),
+    /// The task ends.
+    EndTask,
     /// It is done, and the task rests a little: a loop around it must not starve the others.
     DoneThenPause(Duration),
 }
@@ -92,9 +115,12 @@ fn tables() -> impl Iterator<Item = &'static Builtin> {
     let tables = [
         convert::TABLE,
         file::TABLE,
+        joints::TABLE,
         math::TABLE,
         motion::TABLE,
+        register::TABLE,
         string::TABLE,
+        task::TABLE,
         variable::TABLE,
     ];
     tables.into_iter().flatten()
@@ -103,53 +129,31 @@ fn tables() -> impl Iterator<Item = &'static Builtin> {
 /// Built-ins that exist on a controller and not here: they deserve a better message than a typing
 /// error.
 const PLANNED: &[&str] = &[
-    "ABORT_TASK",
     "APPEND_NODE",
     "APPROACH",
     "CALL_PROG",
     "CALL_PROGLIN",
     "CLEAR_SEMA",
-    "CLR_POS_REG",
     "CNV_CONF_STR",
-    "CNV_JPOS_REL",
-    "CNV_REL_JPOS",
     "CNV_STR_CONF",
     "CNV_STR_TIME",
     "CNV_TIME_STR",
-    "CURJPOS",
-    "CURR_PROG",
     "ERR_DATA",
     "FORCE_SPMENU",
     "FRAME",
-    "GET_JPOS_REG",
-    "GET_POS_REG",
-    "GET_REG",
-    "GET_STR_REG",
     "GET_TIME",
     "GET_TPE_PRM",
-    "GET_TSK_INFO",
     "IN_AUTO_MODE",
     "INV",
-    "J_IN_RANGE",
-    "JOINT2POS",
     "MSG_PING",
     "ORIENT",
     "PATH_LEN",
     "PAUSE_TASK",
     "PEND_SEMA",
-    "POS2JOINT",
-    "POS_REG_TYPE",
     "POST_ERR",
     "POST_SEMA",
     "READ_KB",
-    "RUN_TASK",
-    "SET_EPOS_REG",
     "SET_FILE_ATR",
-    "SET_INT_REG",
-    "SET_JPOS_REG",
-    "SET_POS_REG",
-    "SET_REAL_REG",
-    "SET_STR_REG",
     "TP_ENABLED",
     "UNPOS",
     "VOL_SPACE",
@@ -165,10 +169,24 @@ pub(crate) struct Context<'a> {
     pub(crate) task: TaskId,
     pub(crate) program: &'a Program,
     pub(crate) programs: &'a [Loaded],
+    /// All tasks but the one that runs.
+    pub(crate) tasks: &'a mut Tasks,
+    pub(crate) registers: &'a mut Registers,
+    pub(crate) running: Running<'a>,
+    pub(crate) limits: &'a Limits,
     pub(crate) host: &'a mut dyn Host,
     pub(crate) memory: Memory<'a>,
     pub(crate) operands: &'a [Cell],
     pub(crate) site: &'a BuiltinSite,
+}
+
+/// The task that runs, as built-ins see it.
+#[derive(Clone, Copy)]
+pub(crate) struct Running<'a> {
+    /// Its root program.
+    pub(crate) name: &'a str,
+    /// Source line of the statement.
+    pub(crate) line: u32,
 }
 
 impl Context<'_> {
@@ -202,6 +220,15 @@ impl Context<'_> {
         self.arg(number).expect_text()
     }
 
+    fn boolean(&self, number: usize) -> bool {
+        *self.arg(number) == Cell::Boolean(true)
+    }
+
+    /// The value of an argument that is read and written.
+    fn in_out(&self, number: usize) -> &Cell {
+        self.memory.get(self.variable(number))
+    }
+
     /// The address of a variable, `None` if a constant stands in its place.
     fn address(&self, number: usize) -> Option<Address> {
         let arg = self.arg(number);
@@ -220,6 +247,17 @@ impl Context<'_> {
             .first()
             .expect("lowering pushes the result's address")
             .expect_address()
+    }
+
+    fn joints(&self, number: usize) -> Result<JointPosition, Fault> {
+        let Type::Joints(kind) = self.ty(number) else {
+            unreachable!("the checker insists on a JOINTPOS")
+        };
+        self.memory.joints(self.variable(number), *kind)
+    }
+
+    fn position(&self, number: usize, kind: PositionKind) -> Result<XyzwprExt, Fault> {
+        self.memory.position(self.variable(number), kind)
     }
 
     fn put(&mut self, number: usize, value: Cell) {

@@ -14,7 +14,7 @@ pub(super) const TABLE: &[Builtin] = &[
 ];
 
 /// The motion group, if the argument is there.
-fn group(context: &Context<'_>, number: usize) -> i32 {
+pub(super) fn group(context: &Context<'_>, number: usize) -> i32 {
     if context.has_arg(number) {
         context.integer(number)
     } else {

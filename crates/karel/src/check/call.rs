@@ -4,9 +4,10 @@ use super::{Checker, Home, Signature};
 use crate::{
     ast::{self, Name},
     builtins::{self, Builtin, Param, Returns},
+    ir::{self, External},
     span::Span,
-    typed::{Arg, BuiltinCall, Call, Expr, ExprKind, StmtKind},
-    types::{PositionKind, TextLength, Type},
+    typed::{Arg, BuiltinCall, Call, Callee, Expr, ExprKind, StmtKind},
+    types::{JointKind, PositionKind, TextLength, Type},
 };
 
 impl Checker<'_> {
@@ -95,17 +96,10 @@ impl Checker<'_> {
         name: &Name,
         args: &[ast::Expr],
     ) -> Option<Call> {
-        let routine = match &signature.home {
-            Home::Here(routine) => *routine,
+        let callee = match &signature.home {
+            Home::Here(routine) => Callee::Here(*routine),
             Home::Promised => return None,
-            Home::External(program) => {
-                let message = format!(
-                    "calling `{}` of program {program} is not supported yet",
-                    name.text
-                );
-                self.reports.error(name.span, message);
-                return None;
-            }
+            Home::External(program) => Callee::External(self.external(program, signature)),
         };
         if args.len() != signature.params.len() {
             self.wrong_count(
@@ -123,10 +117,28 @@ impl Checker<'_> {
             .map(|(arg, (_, formal))| self.user_arg(arg, formal));
         let args: Vec<Arg> = checked.collect();
         Some(Call {
-            routine,
+            callee,
             args,
             result: signature.result.clone(),
         })
+    }
+
+    /// The row of a routine of another program; it is looked for when programs are loaded.
+    fn external(&mut self, program: &str, signature: &Signature) -> u32 {
+        let mut known = self.externals.iter();
+        let known = known.position(|known| known.routine == signature.name);
+        let row = known.unwrap_or_else(|| {
+            self.externals.push(External {
+                program: program.to_owned(),
+                routine: signature.name.clone(),
+                signature: ir::Signature {
+                    params: signature.types(),
+                    result: signature.result.clone(),
+                },
+            });
+            self.externals.len() - 1
+        });
+        u32::try_from(row).unwrap_or(u32::MAX)
     }
 
     fn wrong_count(&mut self, name: &Name, given: usize, least: usize, most: usize) {
@@ -197,6 +209,7 @@ impl Checker<'_> {
             Returns::Boolean => Some(Type::Boolean),
             Returns::Text => Some(Type::TEXT),
             Returns::XyzwprExt => Some(Type::Position(PositionKind::XyzwprExt)),
+            Returns::Joints => Some(Type::Joints(JointKind::OfGroup)),
             Returns::SameAsFirst => types.first().cloned(),
         };
         Some(BuiltinCall {
@@ -212,6 +225,9 @@ impl Checker<'_> {
             Param::Integer => self.value_arg(arg, &Type::Integer),
             Param::Real => self.value_arg(arg, &Type::Real),
             Param::Text => self.value_arg(arg, &Type::TEXT),
+            Param::Boolean => self.value_arg(arg, &Type::Boolean),
+            Param::InOutInteger => self.in_out_arg(arg, &Type::Integer),
+            Param::InOutText => self.in_out_arg(arg, &Type::TEXT),
             Param::Position(kind) => self.value_arg(arg, &Type::Position(kind)),
             Param::Number => {
                 let value = self.expr(arg);
@@ -222,6 +238,40 @@ impl Checker<'_> {
                 let ty = value.ty.clone();
                 (Arg::Value(value), ty)
             }
+            Param::Config => self.value_arg(arg, &Type::Config),
+            Param::Joints => {
+                let value = self.expr(arg);
+                self.expect_joints(&value.ty, arg.span);
+                let ty = value.ty.clone();
+                (Arg::Value(value), ty)
+            }
+            Param::OutJoints => {
+                let (found, ty) = self.any_variable(arg, false);
+                self.expect_joints(&ty, arg.span);
+                (found, ty)
+            }
+            Param::OutPosition => {
+                let (found, ty) = self.any_variable(arg, false);
+                if !matches!(ty, Type::Position(_) | Type::Error) {
+                    let message = format!("expected a POSITION, this is {ty}");
+                    self.reports.error(arg.span, message);
+                }
+                (found, ty)
+            }
+            Param::RealArray => {
+                let (found, ty) = self.any_variable(arg, false);
+                let mut fits = ty == Type::Error;
+                if let Type::Array(array) = &ty {
+                    fits = array.element == Type::Real && array.dims.len() <= 1;
+                }
+                if !fits {
+                    let message = format!("expected an ARRAY OF REAL, this is {ty}");
+                    self.reports.error(arg.span, message);
+                }
+                (found, ty)
+            }
+            Param::OutConfig => self.out_arg(arg, &Type::Config),
+            Param::OutBoolean => self.out_arg(arg, &Type::Boolean),
             Param::OutInteger => self.out_arg(arg, &Type::Integer),
             Param::OutReal => self.out_arg(arg, &Type::Real),
             Param::OutText => self.out_arg(arg, &Type::TEXT),
@@ -259,6 +309,12 @@ impl Checker<'_> {
         let arg = match value.kind {
             ExprKind::Place(place) => Arg::Reference(place),
             ExprKind::System(place) => Arg::System(place),
+            ExprKind::Port(place) => {
+                let message = format!("a port such as {} cannot be an output here", place.port);
+                self.reports
+                    .error_with_help(arg.span, message, "use a variable of the program");
+                Arg::Discard
+            }
             ExprKind::Constant(_)
             | ExprKind::Call(_)
             | ExprKind::Builtin(_)
@@ -266,9 +322,26 @@ impl Checker<'_> {
             | ExprKind::Not(_)
             | ExprKind::Binary { .. }
             | ExprKind::ToReal(_)
-            | ExprKind::ToPosition(_) => Arg::Discard,
+            | ExprKind::ToPosition(_)
+            | ExprKind::ToJoints(_) => Arg::Discard,
         };
         (arg, ty)
+    }
+
+    fn expect_joints(&mut self, ty: &Type, span: Span) {
+        if !matches!(ty, Type::Joints(_) | Type::Error) {
+            let message = format!("expected a JOINTPOS, this is {ty}");
+            self.reports.error(span, message);
+        }
+    }
+
+    fn in_out_arg(&mut self, arg: &ast::Expr, wanted: &Type) -> (Arg, Type) {
+        let (found, ty) = self.any_value(arg);
+        if ty != Type::Error && ty != *wanted {
+            let message = format!("expected {wanted}, this is {ty}");
+            self.reports.error(arg.span, message);
+        }
+        (found, ty)
     }
 
     fn file_arg(&mut self, arg: &ast::Expr) -> (Arg, Type) {
@@ -289,13 +362,15 @@ impl Checker<'_> {
             ExprKind::System(place) if system => Arg::System(place),
             ExprKind::Constant(_)
             | ExprKind::System(_)
+            | ExprKind::Port(_)
             | ExprKind::Call(_)
             | ExprKind::Builtin(_)
             | ExprKind::Negate(_)
             | ExprKind::Not(_)
             | ExprKind::Binary { .. }
             | ExprKind::ToReal(_)
-            | ExprKind::ToPosition(_) => {
+            | ExprKind::ToPosition(_)
+            | ExprKind::ToJoints(_) => {
                 if ty != Type::Error {
                     self.reports.error(arg.span, "a variable is needed here");
                 }

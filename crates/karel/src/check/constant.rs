@@ -9,7 +9,7 @@ use crate::{
 
 /// Constants that every program knows.
 ///
-/// ASSUMPTION: the numbers of the motion and termination types are from descriptions of the
+/// ASSUMPTION: the numbers of the motion, termination and task types are from descriptions of the
 /// language; a program compares and assigns only the names.
 pub(super) fn predefined(name: &str) -> Option<Constant> {
     Some(match name {
@@ -19,6 +19,12 @@ pub(super) fn predefined(name: &str) -> Option<Constant> {
         "MININT" => Constant::Integer(i32::MIN),
         "DEG_2_RAD" => Constant::Real(std::f32::consts::PI / 180.0),
         "RAD_2_DEG" => Constant::Real(180.0 / std::f32::consts::PI),
+        "TSK_STATUS" => Constant::Integer(crate::status::task::STATUS),
+        "TSK_LINENUM" => Constant::Integer(crate::status::task::LINE),
+        "TSK_PROGNAME" => Constant::Integer(crate::status::task::PROGRAM),
+        "PG_RUNNING" => Constant::Integer(crate::status::task::RUNNING),
+        "PG_PAUSED" => Constant::Integer(crate::status::task::PAUSED),
+        "PG_ABORTED" => Constant::Integer(crate::status::task::ABORTED),
         "FINE" => Constant::Integer(1),
         "COARSE" => Constant::Integer(2),
         "NOSETTLE" => Constant::Integer(3),

@@ -2,7 +2,7 @@
 
 use super::{Checker, Home, Signature, scope::Symbol};
 use crate::{
-    ast::{Decl, Name, Routine, RoutineBody},
+    ast::{Decl, Memory, Name, Routine, RoutineBody, Storage},
     typed::Root,
     types::{MAX_CELLS, Type},
 };
@@ -21,15 +21,39 @@ impl Checker<'_> {
                     let ty = self.type_of(ty, Some(&name.text));
                     self.declare_symbol(name, Symbol::Type(ty), global);
                 }
-                Decl::Var { names, ty: written } => {
+                Decl::Var {
+                    names,
+                    storage,
+                    ty: written,
+                } => {
                     let ty = self.type_of(written, None);
                     self.refuse_open(&ty, written);
+                    let memory = self.memory(*storage, global);
                     for name in names {
+                        if memory == Memory::Cmos {
+                            self.persistent.push(name.text.clone());
+                        }
                         self.declare_variable(name, &ty, global);
                     }
                 }
                 Decl::Routine(_) => {}
             }
+        }
+    }
+
+    /// Where variables of this declaration live.
+    ///
+    /// ASSUMPTION: without `IN`, `%CMOSVARS` decides; variables of routines are never kept.
+    fn memory(&mut self, storage: Option<Storage>, global: bool) -> Memory {
+        match storage {
+            Some(storage) if !global => {
+                let message = "only variables of the program have a storage of their own";
+                self.reports.error(storage.span, message);
+                Memory::Dram
+            }
+            Some(storage) => storage.memory,
+            None if global && self.cmos_vars => Memory::Cmos,
+            None => Memory::Dram,
         }
     }
 

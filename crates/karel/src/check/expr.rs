@@ -181,6 +181,10 @@ impl Checker<'_> {
                 kind: ExprKind::ToPosition(Box::new(expr)),
                 ty: wanted.clone(),
             },
+            (Type::Joints(_), Type::Joints(_)) => Expr {
+                kind: ExprKind::ToJoints(Box::new(expr)),
+                ty: wanted.clone(),
+            },
             (Type::Array(from), Type::Array(to))
                 if to.dims.is_empty() && from.element == to.element =>
             {

@@ -5,6 +5,7 @@ mod constant;
 mod decl;
 mod expr;
 mod place;
+mod port;
 mod scope;
 mod stmt;
 mod transfer;
@@ -15,6 +16,7 @@ use std::collections::HashMap;
 use crate::{
     ast,
     diagnostic::Reports,
+    ir::{self, External},
     span::Span,
     typed::Routine,
     types::{MAX_CELLS, Type},
@@ -31,6 +33,10 @@ pub(crate) struct Checked {
     pub(crate) global_cells: u32,
     /// Cells of the globals that are FILE variables.
     pub(crate) global_files: Vec<u32>,
+    /// Names of the variables that keep their values without power.
+    pub(crate) persistent: Vec<String>,
+    /// Routines of other programs that are called.
+    pub(crate) externals: Vec<External>,
     /// The main body first.
     pub(crate) routines: Vec<Routine>,
 }
@@ -44,6 +50,9 @@ pub(crate) fn check(program: &ast::Program, reports: &mut Reports) -> Checked {
         locals: Scope::default(),
         routines: HashMap::new(),
         signatures: Vec::new(),
+        externals: Vec::new(),
+        cmos_vars: false,
+        persistent: Vec::new(),
         frame: Frame::default(),
     };
     checker.directives(&program.directives);
@@ -58,6 +67,11 @@ struct Checker<'a> {
     /// Routines by name, as indices of `signatures`.
     routines: HashMap<String, usize>,
     signatures: Vec<Signature>,
+    externals: Vec<External>,
+    /// `%CMOSVARS`.
+    cmos_vars: bool,
+    /// Variables that keep their values without power.
+    persistent: Vec<String>,
     frame: Frame,
 }
 
@@ -69,6 +83,12 @@ struct Signature {
     params: Vec<(ast::Name, Type)>,
     result: Option<Type>,
     home: Home,
+}
+
+impl Signature {
+    fn types(&self) -> Vec<Type> {
+        self.params.iter().map(|(_, ty)| ty.clone()).collect()
+    }
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -129,10 +149,8 @@ impl Checker<'_> {
     fn directives(&mut self, directives: &[ast::Directive]) {
         for directive in directives {
             let name = directive.name.as_str();
-            if name == "%INCLUDE" {
-                let message = format!("%INCLUDE {} is not supported yet", directive.argument);
-                self.reports.error(directive.span, message);
-            } else if !KNOWN_DIRECTIVES.contains(&name) {
+            self.cmos_vars |= matches!(name, "%CMOSVARS" | "%SHADOWVARS");
+            if !KNOWN_DIRECTIVES.contains(&name) {
                 self.reports.warning(
                     directive.span,
                     format!("unknown directive {name} is ignored"),
@@ -161,6 +179,8 @@ impl Checker<'_> {
             global_cells: self.globals.cells,
             global_files: self.globals.files.clone(),
             globals: self.globals.into_variables(),
+            externals: self.externals,
+            persistent: self.persistent,
             routines,
         }
     }
@@ -172,7 +192,12 @@ impl Checker<'_> {
             ..Frame::default()
         };
         let body = self.stmts(&program.body);
-        self.finish_routine(&program.name.text, body, program.end, 0)
+        let signature = ir::Signature {
+            params: Vec::new(),
+            result: None,
+        };
+        let frame = (signature, 0);
+        self.finish_routine(&program.name.text, frame, body, program.end)
     }
 
     fn routine_body(
@@ -184,11 +209,13 @@ impl Checker<'_> {
     ) -> Routine {
         self.locals = Scope::default();
         self.frame = Frame::default();
+        let mut params = Vec::new();
         if let Some(index) = self.routines.get(&routine.name.text)
             && let Some(signature) = self.signatures.get(*index).cloned()
         {
             self.frame.result.clone_from(&signature.result);
             self.declare_params(&signature);
+            params = signature.types();
         }
         let first_local = self.locals.cells;
         self.declare(decls, false);
@@ -197,15 +224,17 @@ impl Checker<'_> {
             let message = format!("the function `{}` never returns a value", routine.name.text);
             self.reports.warning(routine.name.span, message);
         }
-        self.finish_routine(&routine.name.text, body, end, first_local)
+        let result = self.frame.result.take();
+        let frame = (ir::Signature { params, result }, first_local);
+        self.finish_routine(&routine.name.text, frame, body, end)
     }
 
     fn finish_routine(
         &mut self,
         name: &str,
+        (signature, first_local): (ir::Signature, u32),
         body: Vec<crate::typed::Stmt>,
         end: Span,
-        first_local: u32,
     ) -> Routine {
         let mut missing: Vec<_> = self
             .frame
@@ -223,7 +252,7 @@ impl Checker<'_> {
             frame_cells: self.locals.cells,
             first_local,
             files: self.locals.files.clone(),
-            result: self.frame.result.take(),
+            signature,
             labels: self.frame.next_label,
             body,
             end,

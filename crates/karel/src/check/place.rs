@@ -37,6 +37,12 @@ impl Checker<'_> {
                 self.reports.error(path.root.span, message);
                 return None;
             }
+            None if self.port_array(path).is_some() => {
+                let message = format!("a port such as {} cannot stand here", path.root.text);
+                self.reports
+                    .error_with_help(path.span, message, "use a variable of the program");
+                return None;
+            }
             None if predefined(&path.root.text).is_some() => {
                 let message = format!("`{}` is a constant, not a variable", path.root.text);
                 self.reports.error(path.root.span, message);
@@ -216,6 +222,9 @@ impl Checker<'_> {
                 ty: place.ty.clone(),
                 kind: ExprKind::System(place),
             });
+        }
+        if let Some(port) = self.port_array(path) {
+            return self.port_expression(port, path);
         }
         let constant = match self.find_symbol(&name.text) {
             Some(Symbol::Constant(constant)) => Some(constant.clone()),

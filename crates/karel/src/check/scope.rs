@@ -58,6 +58,7 @@ impl Scope {
             | Type::Text(_)
             | Type::Config
             | Type::Position(_)
+            | Type::Joints(_)
             | Type::Error => {}
         }
     }

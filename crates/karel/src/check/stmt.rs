@@ -74,6 +74,7 @@ impl Checker<'_> {
             }
             ast::StmtKind::CloseFile(file) => self.file(file).map(StmtKind::CloseFile),
             ast::StmtKind::CancelFile(file) => self.file(file).map(StmtKind::CancelFile),
+            ast::StmtKind::WaitFor(conditions) => self.wait_for(conditions, stmt.span),
             ast::StmtKind::Delay(time) => Some(StmtKind::Delay(self.integer(time))),
             ast::StmtKind::MoveTo { target, waits } => {
                 let wanted = Type::Position(PositionKind::XyzwprExt);
@@ -101,6 +102,9 @@ impl Checker<'_> {
                 target: Target::System(place),
                 value,
             });
+        }
+        if let Some(port) = self.port_array(target) {
+            return self.assign_port(port, target, value);
         }
         let place = self.place(target);
         let Some(place) = place else {

@@ -84,7 +84,12 @@ impl Checker<'_> {
         match ty {
             Type::Integer | Type::Real | Type::Boolean | Type::Text(_) => Some(()),
             Type::Error => None,
-            Type::File | Type::Config | Type::Position(_) | Type::Array(_) | Type::Structure(_) => {
+            Type::File
+            | Type::Config
+            | Type::Position(_)
+            | Type::Joints(_)
+            | Type::Array(_)
+            | Type::Structure(_) => {
                 let message = format!("{statement} of {ty} is not supported yet");
                 self.reports.error(span, message);
                 None

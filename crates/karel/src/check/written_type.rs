@@ -7,8 +7,8 @@ use crate::{
     ast::{Dim, Expr, Name, Param, TypeExpr, TypeKind},
     typed::Constant,
     types::{
-        ArrayType, Field, MAX_CELLS, MAX_STRING, MAX_TYPE_DEPTH, PositionKind, StructureType,
-        TextLength, Type,
+        ArrayType, Field, JointKind, MAX_CELLS, MAX_STRING, MAX_TYPE_DEPTH, PositionKind,
+        StructureType, TextLength, Type,
     },
 };
 
@@ -18,16 +18,6 @@ const NOT_YET: &[&str] = &[
     "CAM_SETUP",
     "COMMON_ASSOC",
     "GROUP_ASSOC",
-    "JOINTPOS",
-    "JOINTPOS1",
-    "JOINTPOS2",
-    "JOINTPOS3",
-    "JOINTPOS4",
-    "JOINTPOS5",
-    "JOINTPOS6",
-    "JOINTPOS7",
-    "JOINTPOS8",
-    "JOINTPOS9",
     "MODEL",
     "PATH",
     "QUEUE_TYPE",
@@ -48,6 +38,16 @@ const BASIC_TYPES: [&str; 8] = [
     "XYZWPREXT",
 ];
 
+/// `JOINTPOS`, `JOINTPOS6`.
+fn joint_kind(name: &str) -> Option<Type> {
+    let axes = name.strip_prefix("JOINTPOS")?;
+    Some(Type::Joints(match axes.as_bytes() {
+        [] => JointKind::OfGroup,
+        [digit @ b'1'..=b'9'] => JointKind::Axes(digit - b'0'),
+        _ => return None,
+    }))
+}
+
 impl Checker<'_> {
     pub(super) fn type_of(&mut self, written: &TypeExpr, declared_as: Option<&str>) -> Type {
         match &written.kind {
@@ -65,6 +65,9 @@ impl Checker<'_> {
     fn named_type(&mut self, name: &Name) -> Type {
         if let Some(Symbol::Type(ty)) = self.find_symbol(&name.text) {
             return ty.clone();
+        }
+        if let Some(ty) = joint_kind(&name.text) {
+            return ty;
         }
         match name.text.as_str() {
             "INTEGER" => Type::Integer,
@@ -197,6 +200,7 @@ impl Checker<'_> {
             | Type::File
             | Type::Config
             | Type::Position(_)
+            | Type::Joints(_)
             | Type::Structure(_)
             | Type::Error => false,
         };

@@ -6,7 +6,7 @@ use super::*;
 fn tokens(text: &str) -> String {
     let source = Source::new(text.as_bytes(), "t.kl");
     let mut reports = Reports::default();
-    let tokens = lex(&source, &mut reports);
+    let tokens = lex(&source, source.program(), &mut reports);
     let words = tokens
         .iter()
         .filter(|token| token.span.start() < text.len())
@@ -40,7 +40,10 @@ fn lines_join_after_ampersand_operator_comma_equal_and_inside_parentheses() {
 fn marks_of_editors_are_blanks() {
     let source = Source::new(b"\xEF\xBB\xBFa\x0C\n\x1A", "t.kl");
     let mut reports = Reports::default();
-    let kinds: Vec<TokenKind> = lex(&source, &mut reports).iter().map(|t| t.kind).collect();
+    let kinds: Vec<TokenKind> = lex(&source, source.program(), &mut reports)
+        .iter()
+        .map(|t| t.kind)
+        .collect();
     let end = [TokenKind::LineEnd, TokenKind::EndOfFile];
     assert_eq!(kinds, [[TokenKind::Name, TokenKind::LineEnd], end].concat());
     assert!(!reports.has_errors());

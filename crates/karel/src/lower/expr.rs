@@ -4,7 +4,9 @@ use super::{Lowering, add_row, count};
 use crate::{
     ast::Relation,
     ir::{BuiltinSite, Op, Outward, Rare},
-    typed::{Arg, BuiltinCall, Call, Constant, Expr, ExprKind, Op as BinaryOp, SystemPlace},
+    typed::{
+        Arg, BuiltinCall, Call, Callee, Constant, Expr, ExprKind, Op as BinaryOp, SystemPlace,
+    },
     types::{TextLength, Type},
     value::Text,
 };
@@ -26,6 +28,10 @@ impl Lowering<'_> {
             ExprKind::System(place) => {
                 let row = self.system(place);
                 self.emit(Op::Outward(Outward::LoadSystem(row)));
+            }
+            ExprKind::Port(place) => {
+                self.scalar(&place.number);
+                self.emit(Op::Outward(Outward::LoadPort(place.port)));
             }
             ExprKind::Call(call) => self.call(call),
             ExprKind::Builtin(call) => self.builtin(call),
@@ -56,7 +62,7 @@ impl Lowering<'_> {
                 self.scalar(operand);
                 self.emit(Op::IntegerToReal);
             }
-            ExprKind::ToPosition(_) => self.aggregate(expr),
+            ExprKind::ToPosition(_) | ExprKind::ToJoints(_) => self.aggregate(expr),
         }
     }
 
@@ -102,6 +108,12 @@ impl Lowering<'_> {
                 self.builtin(call);
                 self.emit(Op::AddressLocal(temp));
             }
+            ExprKind::ToJoints(inner) => {
+                let temp = self.temporary(expr.ty.size());
+                self.emit(Op::AddressLocal(temp));
+                self.copy_joints(inner, &expr.ty);
+                self.emit(Op::AddressLocal(temp));
+            }
             ExprKind::ToPosition(inner) => {
                 let temp = self.temporary(expr.ty.size());
                 self.emit(Op::AddressLocal(temp));
@@ -109,6 +121,7 @@ impl Lowering<'_> {
                 self.emit(Op::AddressLocal(temp));
             }
             ExprKind::Constant(_)
+            | ExprKind::Port(_)
             | ExprKind::Negate(_)
             | ExprKind::Not(_)
             | ExprKind::Binary { .. }
@@ -121,11 +134,20 @@ impl Lowering<'_> {
         match (&source.kind, target) {
             (ExprKind::ToPosition(inner), Type::Position(_)) => self.copy_position(inner, target),
             (_, Type::Position(_)) => self.copy_position(source, target),
+            (ExprKind::ToJoints(inner), _) => self.copy_joints(inner, target),
             _ => {
                 self.value(source);
                 self.emit(Op::Rare(Rare::CopyCells(target.size())));
             }
         }
+    }
+
+    fn copy_joints(&mut self, source: &Expr, target: &Type) {
+        self.aggregate(source);
+        self.emit(Op::Rare(Rare::CopyJoints {
+            from: source.ty.size(),
+            to: target.size(),
+        }));
     }
 
     fn copy_position(&mut self, source: &Expr, target: &Type) {
@@ -137,6 +159,8 @@ impl Lowering<'_> {
         self.emit(Op::Rare(Rare::CopyPosition {
             from: kind(&source.ty),
             to: kind(target),
+            // A built-in that fails has a status for it, and no position.
+            may_lack: matches!(source.kind, ExprKind::Builtin(_)),
         }));
     }
 
@@ -146,7 +170,10 @@ impl Lowering<'_> {
         for arg in &call.args {
             self.argument(arg);
         }
-        self.emit(Op::Call(call.routine));
+        self.emit(match call.callee {
+            Callee::Here(routine) => Op::Call(routine),
+            Callee::External(row) => Op::Outward(Outward::CallExternal(row)),
+        });
     }
 
     pub(super) fn builtin(&mut self, call: &BuiltinCall) {
@@ -250,6 +277,7 @@ fn comparison(relation: Relation, operands: &Type) -> Op {
         | Type::File
         | Type::Config
         | Type::Position(_)
+        | Type::Joints(_)
         | Type::Array(_)
         | Type::Structure(_)
         | Type::Error => Op::CompareInteger(relation),

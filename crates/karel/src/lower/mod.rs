@@ -30,6 +30,7 @@ pub(crate) fn lower(program: &Checked, source: &Source) -> Code {
         lowering.is_main = index == 0;
         lowering.routine(routine);
     }
+    lowering.code.externals.clone_from(&program.externals);
     lowering.code
 }
 
@@ -61,7 +62,7 @@ impl Lowering<'_> {
         self.line = self.source.line(routine.end);
         self.emit(if self.is_main {
             Op::Outward(Outward::EndTask)
-        } else if routine.result.is_some() {
+        } else if routine.signature.result.is_some() {
             Op::Outward(Outward::MissingReturn)
         } else {
             Op::Return
@@ -73,6 +74,7 @@ impl Lowering<'_> {
         }
         self.code.routines.push(RoutineCode {
             name: routine.name.as_str().into(),
+            signature: routine.signature.clone(),
             entry: count(entry),
             args: routine.first_local,
             frame_cells: self.most_cells,

@@ -42,6 +42,14 @@ impl Lowering<'_> {
                 let row = self.system(place);
                 self.emit(Op::Outward(Outward::StoreSystem(row)));
             }
+            StmtKind::Assign {
+                target: Target::Port(place),
+                value,
+            } => {
+                self.scalar(value);
+                self.scalar(&place.number);
+                self.emit(Op::Outward(Outward::StorePort(place.port)));
+            }
             StmtKind::Call(call) => self.call(call),
             StmtKind::Builtin(call) => self.builtin(call),
             StmtKind::If {
@@ -91,6 +99,15 @@ impl Lowering<'_> {
             StmtKind::CancelFile(file) => {
                 self.address(file);
                 self.emit(Op::Outward(Outward::CancelFile));
+            }
+            StmtKind::WaitFor(condition) => {
+                let top = self.here();
+                self.scalar(condition);
+                let to_end = self.emit_jump(Op::JumpIfTrue);
+                self.emit(Op::Outward(Outward::Scan));
+                let back = self.emit_jump(Op::Jump);
+                self.patch_to(back, top);
+                self.patch(to_end);
             }
             StmtKind::Delay(time) => {
                 self.scalar(time);
@@ -301,6 +318,7 @@ fn scalar_type(ty: &Type) -> ScalarType {
         | Type::File
         | Type::Config
         | Type::Position(_)
+        | Type::Joints(_)
         | Type::Array(_)
         | Type::Structure(_)
         | Type::Error => ScalarType::Integer,

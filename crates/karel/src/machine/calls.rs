@@ -9,11 +9,41 @@ use super::{
     fault::Fault,
     task::Caller,
 };
-use crate::status::Status;
+use crate::{ir::External, program::Program, status::Status};
 
 impl Exec<'_> {
+    /// Calls a routine of the program that runs.
     pub(super) fn call(&mut self, routine: u32) -> Result<Flow, Fault> {
-        let program = self.program;
+        self.enter(self.program, routine)
+    }
+
+    /// Calls a routine of another program; from here on that program's variables are the globals.
+    pub(super) fn call_external(&mut self, row: u32) -> Result<Flow, Fault> {
+        let loaded = self.programs.get(self.task.program);
+        let link = loaded.and_then(|loaded| loaded.links.get(row as usize).copied().flatten());
+        let target = link.and_then(|link| Some((link, self.programs.get(link.program)?)));
+        let Some((link, target)) = target else {
+            let External {
+                program, routine, ..
+            } = row_of(&self.program.code.externals, row);
+            let message = format!("There is no routine {routine} of a program {program}");
+            return Err(Fault::new(Status::INTP_CALL_FAILED, message));
+        };
+        let flow = self.enter(&target.program, link.routine)?;
+        self.switch_program(link.program);
+        Ok(flow)
+    }
+
+    /// Lets instructions and globals be those of a program.
+    fn switch_program(&mut self, index: usize) {
+        let loaded = self.programs.get(index);
+        let loaded = loaded.expect("programs are never unloaded");
+        self.program = &loaded.program;
+        self.global_base = loaded.base;
+        self.task.program = index;
+    }
+
+    fn enter(&mut self, program: &Program, routine: u32) -> Result<Flow, Fault> {
         let code = row_of(&program.code.routines, routine);
         let base = self.task.frames.len();
         let cells = base + code.frame_cells as usize;
@@ -21,6 +51,7 @@ impl Exec<'_> {
             return Err(Fault::new(Status::INTP_STACK_OVERFLOW, "Stack overflow"));
         }
         self.task.callers.push(Caller {
+            program: self.task.program,
             routine: self.task.routine,
             pc: self.task.pc + 1,
             base: self.task.base,
@@ -53,6 +84,9 @@ impl Exec<'_> {
         self.task.base = caller.base;
         self.task.routine = caller.routine;
         self.task.pc = caller.pc;
+        if caller.program != self.task.program {
+            self.switch_program(caller.program);
+        }
         Flow::Jumped
     }
 

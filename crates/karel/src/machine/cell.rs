@@ -2,9 +2,9 @@
 
 use crate::{
     host::FileId,
-    position::{Config, XyzwprExt},
+    position::{Config, JointPosition, XyzwprExt},
     text_reader::LineState,
-    types::{CONFIG_OFFSET, PositionKind, TextLength, Type},
+    types::{CONFIG_OFFSET, JointKind, PositionKind, TextLength, Type},
     value::{Text, Value},
 };
 
@@ -219,6 +219,72 @@ impl Memory<'_> {
         }
     }
 
+    /// Copies joints to a type with other axes; those that the source lacks are uninitialized.
+    pub(crate) fn copy_joints(
+        &mut self,
+        from: Address,
+        from_cells: u32,
+        to: Address,
+        to_cells: u32,
+    ) -> Result<(), Fault> {
+        for offset in to_cells..from_cells {
+            if *self.get(from.plus(offset)) != Cell::Uninit {
+                let axis = offset + 1;
+                let message = format!("A JOINTPOS with axis {axis} for one with {to_cells} axes");
+                return Err(Fault::argument(message));
+            }
+        }
+        for offset in 0..to_cells {
+            let cell = if offset < from_cells {
+                self.get(from.plus(offset)).clone()
+            } else {
+                Cell::Uninit
+            };
+            self.set(to.plus(offset), cell);
+        }
+        Ok(())
+    }
+
+    /// The axes of a joint position: all of a type that says how many, else those that have a value.
+    pub(crate) fn joints(&self, at: Address, kind: JointKind) -> Result<JointPosition, Fault> {
+        let mut axes = Vec::new();
+        let mut ended = false;
+        for offset in 0..kind.size() {
+            match (self.get(at.plus(offset)), kind) {
+                (Cell::Real(value), _) if !ended => axes.push(*value),
+                (Cell::Uninit, JointKind::OfGroup) => ended = true,
+                _ => return Err(Fault::uninit()),
+            }
+        }
+        if axes.is_empty() {
+            return Err(Fault::uninit());
+        }
+        Ok(JointPosition { axes })
+    }
+
+    /// `false` if the variable has other axes; nothing is stored then.
+    pub(crate) fn set_joints(
+        &mut self,
+        at: Address,
+        kind: JointKind,
+        value: &JointPosition,
+    ) -> bool {
+        let fits = match kind {
+            JointKind::OfGroup => value.axes.len() <= kind.size() as usize,
+            JointKind::Axes(axes) => value.axes.len() == usize::from(axes),
+        };
+        if fits {
+            let mut values = value.axes.iter();
+            for offset in 0..kind.size() {
+                let cell = values
+                    .next()
+                    .map_or(Cell::Uninit, |value| Cell::Real(*value));
+                self.set(at.plus(offset), cell);
+            }
+        }
+        fits
+    }
+
     /// The value of a variable for the world outside; `None` if it is uninitialized.
     pub(crate) fn value(&self, at: Address, ty: &Type) -> Option<Value> {
         if let Type::Position(kind) = ty {
@@ -228,6 +294,9 @@ impl Memory<'_> {
                 PositionKind::Xyzwpr => Value::Xyzwpr(position.into()),
                 PositionKind::XyzwprExt => Value::XyzwprExt(position),
             });
+        }
+        if let Type::Joints(kind) = ty {
+            return self.joints(at, *kind).ok().map(Value::Joints);
         }
         match self.get(at) {
             Cell::Integer(value) => Some(Value::Integer(*value)),
@@ -257,6 +326,9 @@ impl Memory<'_> {
                 self.set_position(at, *kind, &position);
                 return true;
             }
+            (Type::Joints(kind), Value::Joints(value)) => {
+                return self.set_joints(at, *kind, value);
+            }
             (Type::Integer, Value::Integer(value)) => Cell::Integer(*value),
             (Type::Real, Value::Real(value)) => Cell::Real(*value),
             (Type::Real, Value::Integer(value)) => Cell::Real(crate::value::real_of(*value)),
@@ -281,6 +353,9 @@ impl Memory<'_> {
     pub(crate) fn is_uninit(&self, at: Address, ty: &Type) -> bool {
         match ty {
             Type::Position(_) => (0..6).any(|offset| *self.get(at.plus(offset)) == Cell::Uninit),
+            Type::Joints(JointKind::Axes(axes)) => {
+                (0..u32::from(*axes)).any(|offset| *self.get(at.plus(offset)) == Cell::Uninit)
+            }
             // ASSUMPTION: arrays and structures count as uninitialized while all of them is.
             Type::Array(_) | Type::Structure(_) => {
                 (0..ty.size()).all(|offset| *self.get(at.plus(offset)) == Cell::Uninit)
@@ -291,6 +366,7 @@ impl Memory<'_> {
             | Type::Text(_)
             | Type::File
             | Type::Config
+            | Type::Joints(JointKind::OfGroup)
             | Type::Error => *self.get(at) == Cell::Uninit,
         }
     }

@@ -4,7 +4,7 @@
 //! executed again when the wait is over. Nothing here recurses.
 
 use super::{
-    Loaded, arithmetic,
+    Loaded, Tasks, arithmetic,
     cell::{Address, Cell, Memory},
     fault::Fault,
     task::Task,
@@ -13,9 +13,10 @@ use crate::{
     host::{Host, TaskId, Wait},
     ir::{Op, Rare},
     program::Program,
+    registers::Registers,
     run::Limits,
     status::Status,
-    types::MAX_STRING,
+    types::{MAX_STRING, Type},
     value::real_of,
 };
 
@@ -25,6 +26,9 @@ pub(super) struct Exec<'a> {
     pub(super) global_base: u32,
     pub(super) globals: &'a mut Vec<Cell>,
     pub(super) programs: &'a [Loaded],
+    /// All tasks but this one.
+    pub(super) others: &'a mut Tasks,
+    pub(super) registers: &'a mut Registers,
     pub(super) task: &'a mut Task,
     pub(super) host: &'a mut dyn Host,
     pub(super) limits: &'a Limits,
@@ -203,10 +207,23 @@ impl Exec<'_> {
             Rare::CopyPosition {
                 from: from_kind,
                 to: to_kind,
+                may_lack,
             } => {
                 let (from, to) = (self.pop_address(), self.pop_address());
+                let ty = Type::Position(from_kind);
+                if may_lack && self.memory().is_uninit(from, &ty) {
+                    self.memory().clear(to, &Type::Position(to_kind));
+                    return Ok(());
+                }
                 let position = self.memory().position(from, from_kind)?;
                 self.memory().set_position(to, to_kind, &position);
+            }
+            Rare::CopyJoints {
+                from: from_cells,
+                to: to_cells,
+            } => {
+                let (from, to) = (self.pop_address(), self.pop_address());
+                self.memory().copy_joints(from, from_cells, to, to_cells)?;
             }
         }
         Ok(())

@@ -5,29 +5,34 @@ mod calls;
 pub(crate) mod cell;
 mod exec;
 pub(crate) mod fault;
+mod link;
 mod operands;
+mod ports;
 mod outward;
+mod power;
 mod system;
 mod task;
+mod tasks;
 mod transfer;
 mod variables;
-
-use std::{collections::BTreeMap, sync::Arc};
 
 use crate::{
     error::{CallSite, RuntimeError},
     host::{Host, TaskId},
     ir::Op,
     program::Program,
+    registers::Registers,
     run::{Limits, Run, Slice, TaskState, TaskView},
 };
 use cell::{Cell, FileCell};
 use exec::{Exec, Stop};
+use link::Link;
 
 pub(crate) use arithmetic::finite;
 use fault::Fault;
 pub(crate) use system::{component_of, set_component};
-use task::{Pending, Task};
+use task::Task;
+pub(crate) use tasks::Tasks;
 pub(crate) use variables::find as find_variable;
 
 /// Programs and tasks of one controller.
@@ -39,8 +44,8 @@ pub struct Machine {
     limits: Limits,
     programs: Vec<Loaded>,
     globals: Vec<Cell>,
-    tasks: BTreeMap<TaskId, Task>,
-    next_task: u32,
+    tasks: Tasks,
+    registers: Registers,
 }
 
 #[derive(Debug)]
@@ -48,6 +53,20 @@ pub(crate) struct Loaded {
     program: Program,
     /// Where its variables start in `globals`.
     base: u32,
+    /// Where its external routines are; `None` while their program is not loaded.
+    links: Vec<Option<Link>>,
+}
+
+impl Loaded {
+    pub(crate) fn name(&self) -> &str {
+        self.program.name()
+    }
+
+    /// Name and source line of an instruction.
+    pub(crate) fn place(&self, pc: usize) -> (String, u32) {
+        let line = self.program.code.lines.get(pc).copied().unwrap_or(0);
+        (self.name().to_owned(), line)
+    }
 }
 
 /// Why a program cannot be loaded.
@@ -59,6 +78,18 @@ pub enum LoadError {
     /// The machine's limit.
     #[error("{0} programs are loaded, which is the limit")]
     TooMany(usize),
+    /// Two programs disagree about a routine that one calls and the other has.
+    #[error(
+        "{caller} declares the routine {routine} FROM {program} with other parameters or another result"
+    )]
+    Signature {
+        /// The program that declares it with FROM.
+        caller: String,
+        /// The routine.
+        routine: String,
+        /// The program that has its body.
+        program: String,
+    },
 }
 
 /// Why a program cannot be started.
@@ -92,8 +123,8 @@ impl Machine {
             limits,
             programs: Vec::new(),
             globals,
-            tasks: BTreeMap::new(),
-            next_task: 1,
+            tasks: Tasks::default(),
+            registers: Registers::new(limits.registers),
         }
     }
 
@@ -108,6 +139,7 @@ impl Machine {
         if self.programs.len() >= self.limits.programs {
             return Err(LoadError::TooMany(self.programs.len()));
         }
+        let links = self.link(&program)?;
         let base = self.globals.len();
         self.globals
             .resize(base + program.global_cells as usize, Cell::Uninit);
@@ -117,7 +149,11 @@ impl Machine {
             }
         }
         let base = u32::try_from(base).unwrap_or(u32::MAX);
-        self.programs.push(Loaded { program, base });
+        self.programs.push(Loaded {
+            program,
+            base,
+            links,
+        });
         Ok(())
     }
 
@@ -126,78 +162,36 @@ impl Machine {
     /// # Errors
     /// The program is not loaded or runs already, or too many tasks exist.
     pub fn start(&mut self, program: &str) -> Result<TaskId, StartError> {
-        let index = self
-            .find_program(program)
-            .ok_or_else(|| StartError::NotLoaded(program.to_ascii_uppercase()))?;
-        let name: Arc<str> = program.to_ascii_uppercase().into();
-        let same = self.tasks.values().find(|task| task.name == name);
-        if same.is_some_and(|task| is_alive(&task.state)) {
-            return Err(StartError::Running(name.to_string()));
-        }
-        self.tasks.retain(|_, task| task.name != name);
-        if self.tasks.len() >= self.limits.tasks {
-            return Err(StartError::TooMany(self.tasks.len()));
-        }
-        let code = self.programs.get(index).map(|loaded| &loaded.program.code);
-        let main = code.and_then(|code| code.routines.first());
-        let cells = main.map_or(0, |main| main.frame_cells as usize);
-        if cells > self.limits.stack_cells {
-            return Err(StartError::TooLarge {
-                cells,
-                limit: self.limits.stack_cells,
-            });
-        }
-        let id = TaskId(self.next_task);
-        self.next_task = self.next_task.wrapping_add(1);
-        let mut task = Task {
-            name,
-            program: index,
-            pc: main.map_or(0, |main| main.entry as usize),
-            base: 0,
-            routine: 0,
-            callers: Vec::new(),
-            frames: vec![Cell::Uninit; cells],
-            operands: Vec::new(),
-            pending: Pending::None,
-            state: TaskState::Ready,
-            is_new: true,
-        };
-        task.operands.reserve(16);
-        let _ = self.tasks.insert(id, task);
-        Ok(id)
+        self.tasks.start(&self.programs, &self.limits, program)
     }
 
     /// Executes a task until it waits, ends, or has used up `fuel` instructions.
     ///
     /// A task that ended, or that does not exist, reports its end and uses nothing.
     pub fn run(&mut self, id: TaskId, fuel: u32, host: &mut dyn Host) -> Slice {
-        let Some(task) = self.tasks.get_mut(&id) else {
+        // The task is taken out, so that its statements can start and end others.
+        let Some(mut task) = self.tasks.take(id) else {
             return Slice {
                 run: Run::Ended,
                 used: 0,
             };
         };
-        match &task.state {
-            TaskState::Ready | TaskState::Blocked(_) => {}
-            TaskState::Ended => {
-                return Slice {
-                    run: Run::Ended,
-                    used: 0,
-                };
-            }
-            TaskState::Aborted(error) => {
-                return Slice {
-                    run: Run::Aborted(error.clone()),
-                    used: 0,
-                };
-            }
+        let slice = self.run_task(id, &mut task, fuel, host);
+        self.tasks.put_back(id, task);
+        slice
+    }
+
+    fn run_task(&mut self, id: TaskId, task: &mut Task, fuel: u32, host: &mut dyn Host) -> Slice {
+        let over = match &task.state {
+            TaskState::Ready | TaskState::Blocked(_) => None,
+            TaskState::Ended => Some(Run::Ended),
+            TaskState::Aborted(error) => Some(Run::Aborted(error.clone())),
+        };
+        if let Some(run) = over {
+            return Slice { run, used: 0 };
         }
-        let Some(loaded) = self.programs.get(task.program) else {
-            return Slice {
-                run: Run::Ended,
-                used: 0,
-            };
-        };
+        let loaded = self.programs.get(task.program);
+        let loaded = loaded.expect("programs are never unloaded");
         if std::mem::take(&mut task.is_new) {
             close_left_open(loaded, &mut self.globals, host);
         }
@@ -207,6 +201,8 @@ impl Machine {
             global_base: loaded.base,
             globals: &mut self.globals,
             programs: &self.programs,
+            others: &mut self.tasks,
+            registers: &mut self.registers,
             task,
             host,
             limits: &self.limits,
@@ -217,7 +213,7 @@ impl Machine {
             Stop::Blocked(wait) => Run::Blocked(wait),
             Stop::Ended => Run::Ended,
             Stop::Failed(fault) => {
-                let error = runtime_error(fault, task, &loaded.program);
+                let error = runtime_error(fault, task, &self.programs);
                 host.post_alarm(id, &error);
                 Run::Aborted(error)
             }
@@ -234,9 +230,9 @@ impl Machine {
     /// What can be seen of a task; `None` if there is no such task.
     #[must_use]
     pub fn task(&self, id: TaskId) -> Option<TaskView> {
-        let task = self.tasks.get(&id)?;
+        let task = self.tasks.get(id)?;
         let program = &self.programs.get(task.program)?.program;
-        let calls = call_stack(task, program);
+        let calls = call_stack(task, &self.programs);
         Some(TaskView {
             name: task.name.clone(),
             program: program.name_arc(),
@@ -248,20 +244,37 @@ impl Machine {
 
     /// The tasks that exist, ended ones included, oldest first.
     pub fn tasks(&self) -> impl Iterator<Item = TaskId> + '_ {
-        self.tasks.keys().copied()
+        self.tasks.ids()
+    }
+
+    /// Whether a task exists and has not ended.
+    #[must_use]
+    pub fn is_alive(&self, id: TaskId) -> bool {
+        self.tasks.get(id).is_some_and(|task| is_alive(&task.state))
+    }
+
+    /// Changes whenever a task was started, or ended by another: a caller that schedules tasks then
+    /// looks at [`Machine::tasks`] again.
+    #[must_use]
+    pub fn task_changes(&self) -> u64 {
+        self.tasks.changes()
     }
 
     /// Ends a task between two instructions. Its connections stay open until a program
     /// disconnects them, as on a controller; what moves is the host's business.
     pub fn abort(&mut self, id: TaskId, host: &mut dyn Host) {
-        if let Some(task) = self.tasks.get_mut(&id)
-            && is_alive(&task.state)
-        {
-            for file in task.frames.iter().filter_map(open_file) {
-                let _ = host.close_file(file);
-            }
-            task.state = TaskState::Ended;
-        }
+        let _was_alive = self.tasks.end(id, host);
+    }
+
+    /// The registers.
+    #[must_use]
+    pub fn registers(&self) -> &Registers {
+        &self.registers
+    }
+
+    /// The registers, for an operator or a TP program.
+    pub fn registers_mut(&mut self) -> &mut Registers {
+        &mut self.registers
     }
 
     /// Names of the programs that are loaded, upper case, oldest first.
@@ -309,29 +322,34 @@ fn open_file(cell: &Cell) -> Option<crate::host::FileId> {
 }
 
 /// The call stack, innermost first. A caller's counter is already behind its call.
-fn call_stack(task: &Task, program: &Program) -> Vec<CallSite> {
-    let site = |routine: u32, pc: usize| CallSite {
-        program: program.name_arc(),
-        routine: program
-            .code
-            .routines
-            .get(routine as usize)
-            .map_or_else(|| program.name_arc(), |routine| routine.name.clone()),
-        line: program.code.lines.get(pc).copied().unwrap_or(0),
+fn call_stack(task: &Task, programs: &[Loaded]) -> Vec<CallSite> {
+    let site = |program: usize, routine: u32, pc: usize| {
+        let program = &programs.get(program)?.program;
+        let code = program.code.routines.get(routine as usize);
+        Some(CallSite {
+            program: program.name_arc(),
+            routine: code.map_or_else(|| program.name_arc(), |code| code.name.clone()),
+            line: program.code.lines.get(pc).copied().unwrap_or(0),
+        })
     };
-    let innermost = site(task.routine, task.pc);
+    let innermost = site(task.program, task.routine, task.pc);
     let callers = task.callers.iter().rev();
-    let callers = callers.map(|caller| site(caller.routine, caller.pc.saturating_sub(1)));
-    std::iter::once(innermost).chain(callers).collect()
+    let callers =
+        callers.map(|caller| site(caller.program, caller.routine, caller.pc.saturating_sub(1)));
+    std::iter::once(innermost)
+        .chain(callers)
+        .flatten()
+        .collect()
 }
 
-fn runtime_error(fault: Fault, task: &Task, program: &Program) -> RuntimeError {
-    let calls = call_stack(task, program);
+fn runtime_error(fault: Fault, task: &Task, programs: &[Loaded]) -> RuntimeError {
+    let calls = call_stack(task, programs);
+    let innermost = calls.first();
     RuntimeError {
         status: fault.status,
         message: fault.message.into_owned(),
-        program: program.name_arc(),
-        line: calls.first().map_or(0, |innermost| innermost.line),
+        program: innermost.map_or_else(|| task.name.clone(), |site| site.program.clone()),
+        line: innermost.map_or(0, |site| site.line),
         calls,
     }
 }

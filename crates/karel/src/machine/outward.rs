@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     ast::Waits,
-    builtins::{Context, Outcome},
+    builtins::{Context, Outcome, Running},
     host::{MotionRequest, MoveEnd, Progress, Wait},
     ir::Outward,
     status::Status,
@@ -20,6 +20,7 @@ impl Exec<'_> {
     #[inline(never)]
     pub(super) fn outward(&mut self, op: Outward) -> Result<Flow, Fault> {
         match op {
+            Outward::CallExternal(row) => self.call_external(row),
             Outward::MissingReturn => Err(Fault::new(
                 Status::INTP_MISSING_RETURN,
                 "END of a function without RETURN",
@@ -34,6 +35,9 @@ impl Exec<'_> {
             Outward::StoreSystem(row) => self.store_system(row),
             Outward::FetchSystem(row) => self.fetch_system(row),
             Outward::ReturnSystem(row) => self.return_system(row),
+            Outward::LoadPort(port) => self.load_port(port),
+            Outward::StorePort(port) => self.store_port(port),
+            Outward::Scan => Ok(self.scan()),
             Outward::OpenFile => Ok(self.open_file()),
             Outward::CloseFile => Ok(self.close_file()),
             Outward::CancelFile => Ok(self.cancel_file()),
@@ -56,6 +60,13 @@ impl Exec<'_> {
             task: self.id,
             program: self.program,
             programs: self.programs,
+            tasks: self.others,
+            registers: self.registers,
+            running: Running {
+                name: &self.task.name,
+                line: program.code.lines.get(self.task.pc).copied().unwrap_or(0),
+            },
+            limits: self.limits,
             host: self.host,
             memory: Memory {
                 globals: self.globals,
@@ -67,6 +78,10 @@ impl Exec<'_> {
         let outcome = (site.builtin.code)(&mut context)?;
         match outcome {
             Outcome::Pending(wait) => return Ok(Flow::Blocked(wait)),
+            Outcome::EndTask => {
+                self.close_locals(0);
+                return Ok(Flow::Ended);
+            }
             Outcome::Done => self.drop_operands(count),
             Outcome::Value(value) => {
                 self.drop_operands(count);

@@ -29,6 +29,8 @@ pub(crate) struct Task {
 /// What a routine returns to.
 #[derive(Debug)]
 pub(crate) struct Caller {
+    /// An index of the machine.
+    pub(crate) program: usize,
     pub(crate) routine: u32,
     pub(crate) pc: usize,
     pub(crate) base: usize,

@@ -60,11 +60,7 @@ impl Machine {
     /// The task that runs a program, if there is one.
     #[must_use]
     pub fn task_of(&self, program: &str) -> Option<TaskId> {
-        let found = self
-            .tasks
-            .iter()
-            .find(|(_, task)| task.name.eq_ignore_ascii_case(program));
-        found.map(|(id, _)| *id)
+        self.tasks.named(program).map(|(id, _)| id)
     }
 }
 
@@ -107,6 +103,7 @@ pub(crate) fn find(programs: &[Loaded], program: &str, path: &SysPath) -> Result
         | Type::Text(TextLength::Any)
         | Type::Config
         | Type::Position(_)
+        | Type::Joints(_)
         | Type::Error => Ok(found),
     }
 }

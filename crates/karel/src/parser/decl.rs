@@ -3,7 +3,8 @@
 use super::{Parsed, Parser, Reported};
 use crate::{
     ast::{
-        Decl, Dim, Directive, Name, Param, Program, Routine, RoutineBody, Stmt, TypeExpr, TypeKind,
+        Decl, Dim, Directive, Memory, Name, Param, Program, Routine, RoutineBody, Stmt, Storage,
+        TypeExpr, TypeKind,
     },
     span::{Span, latin1},
     token::{Keyword, Symbol, TokenKind},
@@ -152,11 +153,12 @@ impl Parser<'_> {
 
     fn variables(&mut self) -> Parsed<Decl> {
         let names = self.name_list("a variable")?;
+        let mut storage = None;
         if self.peek().kind == TokenKind::Name
             && latin1(self.source.slice(self.peek().span)).eq_ignore_ascii_case("IN")
         {
             self.position += 1;
-            let _ = self.expect_name("CMOS, DRAM, SHADOW or UNINIT_DRAM")?;
+            storage = Some(self.storage()?);
         }
         if self.at_keyword(Keyword::From) {
             let span = self.peek().span;
@@ -167,7 +169,25 @@ impl Parser<'_> {
         let _ = self.expect_symbol(Symbol::Colon)?;
         let ty = self.type_expression()?;
         self.expect_separator()?;
-        Ok(Decl::Var { names, ty })
+        Ok(Decl::Var { names, storage, ty })
+    }
+
+    fn storage(&mut self) -> Parsed<Storage> {
+        let name = self.expect_name("CMOS, DRAM, SHADOW or UNINIT_DRAM")?;
+        let memory = match name.text.as_str() {
+            "CMOS" | "SHADOW" => Memory::Cmos,
+            "DRAM" | "UNINIT_DRAM" => Memory::Dram,
+            other => {
+                let message =
+                    format!("expected CMOS, DRAM, SHADOW or UNINIT_DRAM, found `{other}`");
+                self.reports.error(name.span, message);
+                return Err(Reported);
+            }
+        };
+        Ok(Storage {
+            memory,
+            span: name.span,
+        })
     }
 
     fn name_list(&mut self, what: &str) -> Parsed<Vec<Name>> {
@@ -324,7 +344,7 @@ enum Place {
     Routine,
 }
 
-fn directive(text: &[u8], span: Span) -> Directive {
+pub(super) fn directive(text: &[u8], span: Span) -> Directive {
     let text = latin1(text);
     let word_end = text.find([' ', '\t', '=']).unwrap_or(text.len());
     let (name, rest) = text.split_at_checked(word_end).unwrap_or((&text, ""));

@@ -7,12 +7,14 @@
 mod control;
 mod decl;
 mod expr;
+mod include;
 mod io;
 mod stmt;
 
 use crate::{
     ast::{Name, Program},
     diagnostic::Reports,
+    include::Includes,
     lexer,
     span::{Source, Span, latin1},
     token::{Keyword, Symbol, Token, TokenKind},
@@ -34,11 +36,20 @@ pub(crate) struct Reported;
 pub(crate) type Parsed<T> = Result<T, Reported>;
 
 /// Parses a program. `None` if there is nothing that the checker could look at.
-pub(crate) fn parse(source: &Source, reports: &mut Reports) -> Option<Program> {
-    if !is_source_text(source, reports) {
+///
+/// Included files are added to `source`; without `includes` the directives stay as they are.
+pub(crate) fn parse(
+    source: &mut Source,
+    includes: Option<&dyn Includes>,
+    reports: &mut Reports,
+) -> Option<Program> {
+    if !is_source_text(&source.bytes, 0, reports) {
         return None;
     }
-    let tokens = lexer::lex(source, reports);
+    let tokens = match includes {
+        Some(includes) => include::tokens(source, includes, reports),
+        None => lexer::lex(source, source.program(), reports),
+    };
     let mut parser = Parser {
         source,
         tokens: &tokens,
@@ -52,8 +63,7 @@ pub(crate) fn parse(source: &Source, reports: &mut Reports) -> Option<Program> {
 }
 
 /// Refuses what is no KAREL source at all, with one message instead of thousands.
-fn is_source_text(source: &Source, reports: &mut Reports) -> bool {
-    let bytes = &source.bytes;
+fn is_source_text(bytes: &[u8], start: usize, reports: &mut Reports) -> bool {
     if bytes.len() > MAX_SOURCE_BYTES {
         let message = format!(
             "the file has {} bytes, a program may have at most {MAX_SOURCE_BYTES}",
@@ -67,7 +77,7 @@ fn is_source_text(source: &Source, reports: &mut Reports) -> bool {
     if let Some(offset) = bytes.iter().position(strange) {
         let byte = bytes.get(offset).copied().unwrap_or_default();
         reports.error_with_help(
-            Span::new(offset, offset + 1),
+            Span::new(start + offset, start + offset + 1),
             format!("this is not KAREL source text: byte 0x{byte:02X} at offset {offset}"),
             "translated programs (.pc) cannot be run, only their .kl source",
         );
@@ -99,7 +109,7 @@ impl Parser<'_> {
 
     /// The token after `ahead` others; the end of the file stays the last.
     fn peek_ahead(&self, ahead: usize) -> Token {
-        let end = self.source.bytes.len();
+        let end = self.source.program().end();
         let end_of_file = Token {
             kind: TokenKind::EndOfFile,
             span: Span::new(end, end),
@@ -250,9 +260,9 @@ mod tests {
     use crate::{diagnostic::Reports, span::Source};
 
     fn first_error(bytes: &[u8]) -> String {
-        let source = Source::new(bytes, "t.kl");
+        let mut source = Source::new(bytes, "t.kl");
         let mut reports = Reports::default();
-        let _ = super::parse(&source, &mut reports);
+        let _ = super::parse(&mut source, None, &mut reports);
         let first = reports
             .into_diagnostics(&source)
             .into_iter()

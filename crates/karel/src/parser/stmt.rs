@@ -31,6 +31,18 @@ const NOT_YET: &[&str] = &[
     "UNPAUSE",
 ];
 
+/// First words of conditions that are events.
+const EVENTS: &[&str] = &[
+    "AT",
+    "CONTINUE",
+    "ERROR",
+    "EVENT",
+    "PAUSE",
+    "POWERUP",
+    "SEMAPHORE",
+    "TIME",
+];
+
 impl Parser<'_> {
     /// Statements up to a word that closes a block; that word stays for the caller.
     ///
@@ -124,7 +136,7 @@ impl Parser<'_> {
                         self.unsupported_line("ABORT PROGRAM")
                     }
                 }
-                Keyword::Wait => self.unsupported_line("WAIT FOR"),
+                Keyword::Wait => self.wait_statement()?,
                 Keyword::Condition => self.unsupported_until("CONDITION", Keyword::EndCondition),
                 Keyword::Using => self.using_statement()?,
                 _ => return Err(self.expected("a statement")),
@@ -135,6 +147,24 @@ impl Parser<'_> {
             kind,
             span: start.to(self.previous_span()),
         })
+    }
+
+    /// `WAIT FOR a, b`; events are KAREL and not run yet.
+    fn wait_statement(&mut self) -> Parsed<StmtKind> {
+        self.position += 1;
+        let _ = self.expect_keyword(Keyword::For)?;
+        let mut conditions = Vec::new();
+        loop {
+            let token = self.peek();
+            let word = self.name_of(token.span).text;
+            if self.at_keyword(Keyword::Abort) || EVENTS.contains(&word.as_str()) {
+                return Ok(self.unsupported_line(&format!("WAIT FOR {word}")));
+            }
+            conditions.push(self.expression()?);
+            if !self.eat_symbol(Symbol::Comma) {
+                return Ok(StmtKind::WaitFor(conditions));
+            }
+        }
     }
 
     fn name_statement(&mut self) -> Parsed<StmtKind> {

@@ -3,11 +3,16 @@
 //! A program that has errors gives its diagnostics; one whose first line is `-- golden: tree`
 //! gives its tree; any other is run, and gives its warnings and its trace. Lines that start with
 //! `-->` are the script: `connect`, `send TEXT` (`\n`, `\r` as such), `close`, `fail-connect N`,
-//! `fail-motion N`. Every case gives the same with CRLF line ends. `UPDATE_GOLDEN=1` rewrites.
+//! `fail-motion N`; `load FILE` loads one more program before. Those, and files for `%INCLUDE`, are
+//! in `tests/cases/more`. Every case gives the same with CRLF line ends. `UPDATE_GOLDEN=1` rewrites.
 
-use std::{fmt::Write as _, fs, path::Path};
+use std::{
+    fmt::Write as _,
+    fs,
+    path::{Path, PathBuf},
+};
 
-use karel::{Limits, Machine, Program};
+use karel::{IncludeFiles, Limits, Machine, Program};
 
 use crate::host::{Event, ScriptedHost, run};
 
@@ -66,7 +71,7 @@ fn outcome(source: &[u8], name: &str) -> String {
             Err(diagnostics) => karel::render(&diagnostics) + "\n",
         };
     }
-    let program = match Program::parse_and_check(source, name) {
+    let program = match Program::with_includes(source, name, &more()) {
         Ok(program) => program,
         Err(diagnostics) => return karel::render(&diagnostics) + "\n",
     };
@@ -77,6 +82,16 @@ fn outcome(source: &[u8], name: &str) -> String {
     let mut machine = Machine::new(Limits::default());
     let program_name = program.name().to_owned();
     machine.load(program).unwrap();
+    for file in loads(source) {
+        let text = fs::read(folder().join(&file)).unwrap();
+        let program = Program::with_includes(&text, &file, &more()).unwrap();
+        if let Err(error) = machine.load(program) {
+            return out + &error.to_string() + "\n";
+        }
+    }
+    for routine in machine.unresolved() {
+        let _ = writeln!(out, "unresolved: {routine}");
+    }
     let task = machine.start(&program_name).unwrap();
     let mut host = ScriptedHost::new(script(source));
     run(&mut machine, task, &mut host);
@@ -87,8 +102,32 @@ fn script(source: &[u8]) -> Vec<Event> {
     let text = String::from_utf8_lossy(source).replace('\r', "");
     text.lines()
         .filter_map(|line| line.strip_prefix("--> "))
+        .filter(|line| !line.starts_with("load "))
         .map(event)
         .collect()
+}
+
+fn loads(source: &[u8]) -> Vec<String> {
+    let text = String::from_utf8_lossy(source).replace('\r', "");
+    let files = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("--> load "));
+    files.map(str::to_owned).collect()
+}
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cases/more")
+}
+
+/// Every file of the folder, for `%INCLUDE`.
+fn more() -> IncludeFiles {
+    let mut files = IncludeFiles::default();
+    for entry in fs::read_dir(folder()).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        files.insert(&name, fs::read(&path).unwrap());
+    }
+    files
 }
 
 fn event(line: &str) -> Event {

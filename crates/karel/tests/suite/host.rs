@@ -6,9 +6,9 @@ use std::{
 };
 
 use karel::{
-    FileId, Host, Input, InputEnd, Limits, Machine, MotionId, MotionRequest, MoveEnd, OpenMode,
-    Position, Program, Progress, Run, RuntimeError, Status, SysPath, SysValue, TaskId, Text, Value,
-    Wait, XyzwprExt,
+    FileId, Host, Port, PortValue, Input, InputEnd, JointPosition, Limits, Machine, MotionId, MotionRequest,
+    MoveEnd, OpenMode, Position, Program, Progress, Run, RuntimeError, Status, SysPath, SysValue,
+    TaskId, Text, Value, Wait, Xyzwpr, XyzwprExt,
 };
 
 /// What the world does, in this order; each is done when the program waits for it.
@@ -36,6 +36,7 @@ pub(crate) struct ScriptedHost {
     pub(crate) segments: usize,
     pub(crate) moves: Vec<MotionRequest>,
     pub(crate) variables: BTreeMap<String, Value>,
+    pub(crate) ports: BTreeMap<(Port, i32), PortValue>,
     pub(crate) alarms: Vec<RuntimeError>,
     now: Duration,
     connected: bool,
@@ -59,6 +60,7 @@ impl ScriptedHost {
             variables: variables
                 .map(|(name, value)| (name.to_owned(), value))
                 .into(),
+            ports: BTreeMap::new(),
             alarms: Vec::new(),
             now: Duration::ZERO,
             connected: false,
@@ -119,6 +121,7 @@ fn shown(value: &Value) -> String {
         Value::Boolean(value) => value.to_string(),
         Value::String(text) => format!("{text:?}"),
         Value::Config(config) => config.to_string(),
+        Value::Joints(joints) => format!("{:?}", joints.axes),
         Value::Xyzwpr(_) | Value::XyzwprExt(_) | Value::Position(_) => {
             let p = value.as_xyzwprext().unwrap();
             format!(
@@ -253,6 +256,83 @@ impl Host for ScriptedHost {
         } else {
             Status::MOTN_UNREACHABLE
         }
+    }
+
+    /// Eight ports of each kind.
+    fn port(&self, port: Port, number: i32) -> Result<PortValue, Status> {
+        if !(1..=8).contains(&number) {
+            return Err(Status::PRIO_PORT_NUMBER);
+        }
+        let off = if port.is_switch() {
+            PortValue::Switch(false)
+        } else {
+            PortValue::Number(0)
+        };
+        let set = self.ports.get(&(port, number)).copied();
+        // The first digital input comes on after a while.
+        if (port, number) == (Port::DigitalIn, 1) && self.now >= Duration::from_millis(100) {
+            return Ok(PortValue::Switch(true));
+        }
+        Ok(set.unwrap_or(off))
+    }
+
+    fn set_port(
+        &mut self,
+        _: TaskId,
+        port: Port,
+        number: i32,
+        value: PortValue,
+    ) -> Result<(), Status> {
+        let _bounds = self.port(port, number)?;
+        self.note(&format!("{port}[{number}] = {value:?}"));
+        let _old = self.ports.insert((port, number), value);
+        Ok(())
+    }
+
+    fn current_joints(&mut self, _: TaskId, _: i32) -> Result<JointPosition, Status> {
+        Ok(JointPosition {
+            axes: vec![0.0, 10.0, -20.5, 0.0, 90.0, 180.0],
+        })
+    }
+
+    /// Six axes, each within half a turn.
+    fn check_joints(&mut self, _: TaskId, joints: &JointPosition, _: i32) -> Status {
+        let six = joints.axes.len() == 6;
+        if six && joints.axes.iter().all(|angle| angle.abs() <= 180.0) {
+            Status::OK
+        } else {
+            Status::MOTN_LIMIT
+        }
+    }
+
+    /// An arm whose joints are the components of its position.
+    fn joints_to_position(
+        &mut self,
+        _: TaskId,
+        joints: &JointPosition,
+        _: &Position,
+        _: &Position,
+        _: i32,
+    ) -> Result<XyzwprExt, Status> {
+        let components = <[f32; 6]>::try_from(joints.axes.as_slice());
+        let components = components.map_err(|_| Status::MOTN_LIMIT)?;
+        Ok(Xyzwpr::from_components(components).into())
+    }
+
+    fn position_to_joints(
+        &mut self,
+        task: TaskId,
+        position: &XyzwprExt,
+        user_frame: &Position,
+        tool: &Position,
+        group: i32,
+    ) -> Result<JointPosition, Status> {
+        let status = self.check_position(task, position, user_frame, tool, group);
+        if !status.is_ok() {
+            return Err(status);
+        }
+        let axes = Xyzwpr::from(*position).components().to_vec();
+        Ok(JointPosition { axes })
     }
 
     fn start_motion(

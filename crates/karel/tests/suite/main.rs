@@ -4,8 +4,10 @@
     reason = "helpers of tests, where a failure is a failed test"
 )]
 
+mod cmos;
 mod golden;
 mod host;
 mod robustness;
 mod semantics;
 mod sock_server;
+mod tasks;

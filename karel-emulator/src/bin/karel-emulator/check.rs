@@ -6,6 +6,8 @@ use std::process::ExitCode;
 use anyhow::Context;
 use karel::Program;
 
+use crate::includes::Folder;
+
 /// Check KAREL programs without running them.
 ///
 /// Every error and warning is printed with its source line. The exit code is 0 if there is no error, 1 if there is
@@ -23,7 +25,7 @@ impl Check {
         for path in &self.files {
             let text =
                 std::fs::read(path).with_context(|| format!("reading {}", path.display()))?;
-            match Program::parse_and_check(&text, &path.display().to_string()) {
+            match Program::with_includes(&text, &path.display().to_string(), &Folder::of(path)) {
                 Ok(program) => {
                     for warning in program.warnings() {
                         eprintln!("{warning}");

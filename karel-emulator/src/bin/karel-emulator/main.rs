@@ -1,6 +1,7 @@
 //! A virtual FANUC controller on the command line.
 
 mod check;
+mod includes;
 mod run;
 
 use std::process::ExitCode;

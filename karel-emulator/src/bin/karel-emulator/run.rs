@@ -7,10 +7,13 @@ use std::process::ExitCode;
 
 use anyhow::{Context, anyhow, bail};
 use clap::ValueEnum;
+use karel::Program;
 use karel_emulator::config::{ControllerConfig, Exposure, ProgramSource, SecondClient};
 use karel_emulator::{Clock, PeerLabels, VirtualController};
 use kinematics::{ArmModel, PendantJoints};
 use tokio::signal::unix::{SignalKind, signal};
+
+use crate::includes::Folder;
 
 /// Run KAREL programs on a virtual controller.
 ///
@@ -98,9 +101,12 @@ impl Run {
         for path in &self.files {
             let text =
                 std::fs::read(path).with_context(|| format!("reading {}", path.display()))?;
-            config
-                .programs
-                .push(ProgramSource::new(path.display().to_string(), text));
+            let name = path.display().to_string();
+            let folder = Folder::of(path);
+            // What is wrong with the program is reported when the controller loads it.
+            let _looked_at = Program::with_includes(&text, &name, &folder);
+            config.includes.extend(folder.into_taken());
+            config.programs.push(ProgramSource::new(name, text));
         }
         config.run.clone_from(&self.programs);
         config.port_map = self.port_map.iter().copied().collect();

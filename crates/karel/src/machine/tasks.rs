@@ -1,0 +1,129 @@
+//! The tasks of a machine: starting, ending and finding them.
+
+use std::{collections::BTreeMap, sync::Arc};
+
+use super::{
+    Loaded, StartError,
+    cell::Cell,
+    is_alive, open_file,
+    task::{Pending, Task},
+};
+use crate::{
+    host::{Host, TaskId},
+    run::{Limits, TaskState},
+};
+
+/// Every task, ended ones included; without the one that runs while it runs.
+#[derive(Debug, Default)]
+pub(crate) struct Tasks {
+    by_id: BTreeMap<TaskId, Task>,
+    /// Name of the task that is taken out.
+    running: Option<(TaskId, Arc<str>)>,
+    last: u32,
+    changes: u64,
+}
+
+impl Tasks {
+    /// Starts a task at the main body of a program. A task of the same name that ended is gone then.
+    pub(crate) fn start(
+        &mut self,
+        programs: &[Loaded],
+        limits: &Limits,
+        program: &str,
+    ) -> Result<TaskId, StartError> {
+        let name: Arc<str> = program.to_ascii_uppercase().into();
+        let found = programs.iter().zip(0..);
+        let mut found = found.filter(|(loaded, _)| *loaded.program.name() == *name);
+        let Some((loaded, index)) = found.next() else {
+            return Err(StartError::NotLoaded(name.to_string()));
+        };
+        let same = self.by_id.values().find(|task| task.name == name);
+        let runs = self.running.as_ref().is_some_and(|(_, own)| *own == name);
+        if runs || same.is_some_and(|task| is_alive(&task.state)) {
+            return Err(StartError::Running(name.to_string()));
+        }
+        self.by_id.retain(|_, task| task.name != name);
+        let count = self.by_id.len() + usize::from(self.running.is_some());
+        if count >= limits.tasks {
+            return Err(StartError::TooMany(count));
+        }
+        let main = loaded.program.code.routines.first();
+        let cells = main.map_or(0, |main| main.frame_cells as usize);
+        if cells > limits.stack_cells {
+            return Err(StartError::TooLarge {
+                cells,
+                limit: limits.stack_cells,
+            });
+        }
+        self.last = self.last.wrapping_add(1);
+        self.changes += 1;
+        let id = TaskId(self.last);
+        let task = Task {
+            name,
+            program: index,
+            pc: main.map_or(0, |main| main.entry as usize),
+            base: 0,
+            routine: 0,
+            callers: Vec::new(),
+            frames: vec![Cell::Uninit; cells],
+            operands: Vec::with_capacity(16),
+            pending: Pending::None,
+            state: TaskState::Ready,
+            is_new: true,
+        };
+        let _none = self.by_id.insert(id, task);
+        Ok(id)
+    }
+
+    /// Ends a task, if it is alive. Whether it was.
+    pub(crate) fn end(&mut self, id: TaskId, host: &mut dyn Host) -> bool {
+        let Some(task) = self.by_id.get_mut(&id) else {
+            return false;
+        };
+        if !is_alive(&task.state) {
+            return false;
+        }
+        for file in task.frames.iter().filter_map(open_file) {
+            let _ = host.close_file(file);
+        }
+        task.state = TaskState::Ended;
+        self.changes += 1;
+        true
+    }
+
+    /// Forgets every task; their numbers are not used again.
+    pub(crate) fn clear(&mut self) {
+        self.by_id.clear();
+        self.changes += 1;
+    }
+
+    pub(crate) fn get(&self, id: TaskId) -> Option<&Task> {
+        self.by_id.get(&id)
+    }
+
+    /// The task with this name, which has no case; not the one that runs.
+    pub(crate) fn named(&self, name: &str) -> Option<(TaskId, &Task)> {
+        let mut tasks = self.by_id.iter();
+        let found = tasks.find(|(_, task)| task.name.eq_ignore_ascii_case(name));
+        found.map(|(id, task)| (*id, task))
+    }
+
+    pub(crate) fn ids(&self) -> impl Iterator<Item = TaskId> + '_ {
+        self.by_id.keys().copied()
+    }
+
+    pub(crate) fn changes(&self) -> u64 {
+        self.changes
+    }
+
+    pub(crate) fn take(&mut self, id: TaskId) -> Option<Task> {
+        let task = self.by_id.remove(&id)?;
+        self.running = Some((id, task.name.clone()));
+        Some(task)
+    }
+
+    pub(crate) fn put_back(&mut self, id: TaskId, task: Task) {
+        self.running = None;
+        let _none = self.by_id.insert(id, task);
+    }
+}
