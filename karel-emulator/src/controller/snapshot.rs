@@ -58,6 +58,7 @@ impl Controller {
                     peer: slot.connection().map(|connection| connection.peer),
                 })
                 .collect(),
+            ports: hardware.ports.view(),
             active_alarms: hardware.alarms.active(),
             ledger_seq: hardware.ledger.last_seq(),
         }

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use karel::{
-    FileId, Host, Input, JointPosition, MotionId, MotionRequest, OpenMode, Position, Progress,
-    RuntimeError, Status, SysPath, SysValue, TaskId, Value, XyzwprExt,
+    FileId, Host, Input, JointPosition, MotionId, MotionRequest, OpenMode, Port, PortValue,
+    Position, Progress, RuntimeError, Status, SysPath, SysValue, TaskId, Value, XyzwprExt,
 };
 
 use super::Hardware;
@@ -95,6 +95,26 @@ impl Host for Hardware {
                 refusal.status
             }
         }
+    }
+
+    fn port(&self, port: Port, number: i32) -> Result<PortValue, Status> {
+        self.ports.get(port, number)
+    }
+
+    fn set_port(
+        &mut self,
+        task: TaskId,
+        port: Port,
+        number: i32,
+        value: PortValue,
+    ) -> Result<(), Status> {
+        if self.ports.set(port, number, value)? {
+            tracing::debug!(
+                controller = %self.name, task = task.0,
+                "A program set {port}[{number}] to {value:?}.",
+            );
+        }
+        Ok(())
     }
 
     fn current_joints(&mut self, task: TaskId, group: i32) -> Result<JointPosition, Status> {

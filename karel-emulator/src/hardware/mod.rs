@@ -20,6 +20,7 @@ use crate::controller::CmosMemory;
 use crate::effects::{ConnectionId, Effect, Tag};
 use crate::ledger::{Ledger, PoseMmDeg, seconds};
 use crate::motion::{Executor, Planner, Refusal};
+use crate::ports::Ports;
 use crate::sysvars::SystemVariables;
 use crate::tags::ServerTag;
 
@@ -35,6 +36,7 @@ pub(crate) struct Hardware {
     pub(crate) now: Duration,
     pub(crate) planner: Planner,
     pub(crate) variables: SystemVariables,
+    pub(crate) ports: Ports,
     pub(crate) executor: Executor<MotionTag>,
     pub(crate) override_percent: i32,
     pub(crate) ledger: Ledger,
@@ -120,6 +122,7 @@ impl Hardware {
             now: Duration::ZERO,
             planner: Planner::new(config.model.clone()),
             variables: SystemVariables::new(),
+            ports: Ports::new(config.ports),
             executor: Executor::new(config.start_joints, 1.0),
             override_percent: 100,
             ledger: Ledger::new(config.limits.ledger_entries),
@@ -161,6 +164,7 @@ impl Hardware {
         if memory == CmosMemory::Lost {
             self.variables = SystemVariables::new();
         }
+        self.ports.power_cycle();
         self.follow_override();
     }
 

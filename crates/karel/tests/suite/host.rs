@@ -6,9 +6,9 @@ use std::{
 };
 
 use karel::{
-    FileId, Host, Port, PortValue, Input, InputEnd, JointPosition, Limits, Machine, MotionId, MotionRequest,
-    MoveEnd, OpenMode, Position, Program, Progress, Run, RuntimeError, Status, SysPath, SysValue,
-    TaskId, Text, Value, Wait, Xyzwpr, XyzwprExt,
+    FileId, Host, Input, InputEnd, JointPosition, Limits, Machine, MotionId, MotionRequest,
+    MoveEnd, OpenMode, Port, PortValue, Position, Program, Progress, Run, RuntimeError, Status,
+    SysPath, SysValue, TaskId, Text, Value, Wait, Xyzwpr, XyzwprExt,
 };
 
 /// What the world does, in this order; each is done when the program waits for it.
