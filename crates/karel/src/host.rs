@@ -42,6 +42,8 @@ pub enum Progress<T> {
 pub enum Wait {
     /// More bytes, or the end, of a file.
     Readable(FileId),
+    /// As `Readable`, but only until this moment of the controller's clock.
+    ReadableUntil(FileId, Duration),
     /// Room to write to a file.
     Writable(FileId),
     /// A client on a tag, in upper case and without colon: `S3`.

@@ -158,7 +158,7 @@ impl Controller {
     pub fn next_wake(&self) -> Option<Duration> {
         let tasks = self.tasks.iter().filter_map(|task| match &task.phase {
             Phase::Ready => Some(self.hardware.now),
-            Phase::Waiting(Wait::Until(time)) => Some(*time),
+            Phase::Waiting(Wait::Until(time) | Wait::ReadableUntil(_, time)) => Some(*time),
             Phase::Waiting(_) | Phase::Over => None,
             Phase::Resting => Some(task.period.saturating_add(SHARE_PERIOD)),
         });
@@ -263,7 +263,7 @@ impl Controller {
         let now = self.hardware.now;
         for task in &mut self.tasks {
             let due = match &task.phase {
-                Phase::Waiting(Wait::Until(time)) => *time <= now,
+                Phase::Waiting(Wait::Until(time) | Wait::ReadableUntil(_, time)) => *time <= now,
                 Phase::Resting => task.period.saturating_add(SHARE_PERIOD) <= now,
                 Phase::Ready | Phase::Waiting(_) | Phase::Over => false,
             };

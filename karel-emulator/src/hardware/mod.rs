@@ -105,7 +105,7 @@ impl Wake {
     /// Whether this is what a task waits for.
     pub(crate) fn ends(self, wait: &Wait) -> bool {
         match wait {
-            Wait::Readable(file) => self == Wake::Readable(*file),
+            Wait::Readable(file) | Wait::ReadableUntil(file, _) => self == Wake::Readable(*file),
             Wait::Writable(file) => self == Wake::Writable(*file),
             Wait::Connect(name) => Tag::parse(name).is_some_and(|tag| self == Wake::Connect(tag)),
             Wait::MotionQueue => self == Wake::MotionQueue,

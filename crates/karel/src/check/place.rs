@@ -128,6 +128,10 @@ impl Checker<'_> {
     }
 
     pub(super) fn undeclared(&mut self, name: &Name) {
+        if name.text.starts_with("ATR_") {
+            let message = format!("the file attribute {} is not supported yet", name.text);
+            return self.reports.error(name.span, message);
+        }
         let message = format!("`{}` is not declared", name.text);
         self.report_unknown(name, &message, &[]);
     }
