@@ -267,6 +267,10 @@ pub trait Host {
     /// Status 0 when the motion met its termination criterion; another status ends the task.
     fn motion_ended(&mut self, motion: MotionId) -> Progress<Status>;
 
+    /// `CANCEL`: the arm brakes, whoever moves it. A MOVE that waits for it goes on as if it had
+    /// arrived: [`Host::motion_ended`] answers with status 0.
+    fn cancel_arm(&mut self, _task: TaskId) {}
+
     /// Cancels what a task moves; another task aborted it and wants that.
     fn cancel_motions(&mut self, _task: TaskId) {}
 

@@ -169,6 +169,11 @@ impl Host for Hardware {
         self.outcome(motion)
     }
 
+    fn cancel_arm(&mut self, task: TaskId) {
+        let reason = format!("CANCEL by task {}", task.0);
+        self.brake(&reason, Status::OK);
+    }
+
     fn cancel_motions(&mut self, task: TaskId) {
         self.stop_arm_of(task, "The task was aborted by another");
     }

@@ -54,6 +54,8 @@ pub(crate) struct Hardware {
     outcomes: VecDeque<(MotionId, Status)>,
     /// Why the arm was stopped last.
     stop_reason: String,
+    /// What tasks see that wait for a motion that was stopped.
+    stop_status: Status,
     /// Whose bytes each task read last.
     origins: BTreeMap<TaskId, Origin>,
     /// Why the last call of a task failed, in more words than a status has.
@@ -137,6 +139,7 @@ impl Hardware {
             last_motion: 0,
             outcomes: VecDeque::new(),
             stop_reason: String::new(),
+            stop_status: Status::OK,
             origins: BTreeMap::new(),
             refusals: BTreeMap::new(),
         }

@@ -9,6 +9,7 @@ mod port;
 mod scope;
 mod stmt;
 mod transfer;
+mod using;
 mod written_type;
 
 use std::collections::HashMap;
@@ -109,6 +110,8 @@ struct Frame {
     labels: HashMap<String, Label>,
     next_label: u32,
     returns_value: bool,
+    /// Structures of the USING statements around, innermost last: frame cell of the reference, type.
+    using: Vec<(u32, Type)>,
 }
 
 #[derive(Debug)]

@@ -295,6 +295,10 @@ impl Host for ScriptedHost {
         Ok(())
     }
 
+    fn cancel_arm(&mut self, _: TaskId) {
+        self.note("cancel motion");
+    }
+
     fn current_joints(&mut self, _: TaskId, _: i32) -> Result<JointPosition, Status> {
         Ok(JointPosition {
             axes: vec![0.0, 10.0, -20.5, 0.0, 90.0, 180.0],
