@@ -1,5 +1,6 @@
 //! Resolves names and types everything; reports every error it finds.
 
+mod argument;
 mod call;
 mod constant;
 mod decl;
