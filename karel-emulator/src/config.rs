@@ -5,6 +5,8 @@ use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 
 use kinematics::{ArmModel, PendantJoints};
 
+use crate::ports::PortCounts;
+
 /// A KAREL program's source text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProgramSource {
@@ -104,6 +106,8 @@ pub struct ControllerConfig {
     pub exposure: Exposure,
     /// Address of the panel, always loopback; `None` for no panel.
     pub panel: Option<SocketAddr>,
+    /// I/O ports.
+    pub ports: PortCounts,
     /// Bounds.
     pub limits: Limits,
 }
@@ -124,6 +128,7 @@ impl ControllerConfig {
             ip: IpAddr::V4(Ipv4Addr::LOCALHOST),
             exposure: Exposure::default(),
             panel: None,
+            ports: PortCounts::default(),
             limits: Limits::default(),
         }
     }

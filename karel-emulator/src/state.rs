@@ -5,6 +5,7 @@ use std::net::SocketAddr;
 use serde::{Deserialize, Serialize};
 
 use crate::ledger::{JointsDeg, PoseMmDeg};
+use crate::ports::PortView;
 
 /// A snapshot of one controller.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,6 +36,8 @@ pub struct State {
     pub tasks: Vec<TaskState>,
     /// The server tags that were used.
     pub tags: Vec<TagView>,
+    /// The I/O ports that are not off.
+    pub ports: Vec<PortView>,
     /// How many alarms wait for a reset.
     pub active_alarms: usize,
     /// Number of the newest ledger entry.

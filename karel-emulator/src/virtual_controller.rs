@@ -16,6 +16,7 @@ use crate::error::{ControllerStopped, StartError};
 use crate::labels::PeerLabels;
 use crate::ledger::LedgerEntry;
 use crate::panel;
+use crate::ports::SetInputError;
 use crate::state::State;
 
 /// How long a shutdown waits for clients of the panel.
@@ -156,6 +157,25 @@ impl VirtualController {
     /// The controller stopped.
     pub async fn registers(&self) -> Result<karel::Registers, ControllerStopped> {
         self.ask(Command::Registers).await
+    }
+
+    /// Sets an input, as the world outside does.
+    ///
+    /// # Errors
+    /// Not an input, no such port, a value that it cannot have, or the controller stopped.
+    pub async fn set_input(
+        &self,
+        port: karel::Port,
+        number: u16,
+        value: karel::PortValue,
+    ) -> Result<(), SetInputError> {
+        self.ask(|answer| Command::SetInput {
+            port,
+            number,
+            value,
+            answer,
+        })
+        .await?
     }
 
     /// ABORT ALL: every task ends, the arm brakes, connections close.

@@ -35,6 +35,28 @@ fn check_says_nothing_about_a_good_program_and_points_at_an_error() {
 }
 
 #[test]
+fn included_files_are_found_from_the_folder_of_the_program_whatever_their_case() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let write = |name: &str, text: &str| {
+        std::fs::write(folder.path().join(name), text).expect("it is writable");
+    };
+    std::fs::create_dir(folder.path().join("Include")).expect("it is writable");
+    write("Include/Shared_H.KL", "CONST\n  answer = 42\n");
+    write("Include/shared.kl", "%INCLUDE include\\shared_h\n");
+    let program = "PROGRAM a\n%INCLUDE include\\shared\nBEGIN\n  WRITE (answer)\nEND a\n";
+    write("a.kl", program);
+    write("b.kl", "PROGRAM b\n%INCLUDE ..\\none\nBEGIN\nEND b\n");
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    assert_eq!(run(&["check", &path("a.kl")]), (Some(0), String::new()));
+    let (code, text) = run(&["check", &path("b.kl")]);
+    assert_eq!(code, Some(1));
+    assert!(
+        text.contains("there is no file ..\\none to include"),
+        "{text}"
+    );
+}
+
+#[test]
 fn what_cannot_run_is_one_sentence_and_exit_code_two() {
     let not_karel = source("print('hello')\n");
     let not_karel = not_karel.path().to_str().unwrap();

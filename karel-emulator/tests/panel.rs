@@ -128,6 +128,7 @@ async fn the_shapes_of_state_and_ledger_are_what_clients_rely_on() {
         "motion_queue",
         "moving",
         "override_percent",
+        "ports",
         "pose",
         "power_cycles",
         "tags",

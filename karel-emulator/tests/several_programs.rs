@@ -88,6 +88,22 @@ async fn a_second_task_serves_its_own_port_while_the_first_waits() {
 }
 
 #[tokio::test]
+async fn programs_that_start_each_other_for_ever_do_not_stop_the_clock() {
+    let main = "PROGRAM main\nVAR s: INTEGER\nBEGIN\nWHILE TRUE DO\n\
+        RUN_TASK('other', 1, FALSE, FALSE, 0, s)\nENDWHILE\nEND main\n";
+    let other = "PROGRAM other\nVAR s: INTEGER\nBEGIN\nRUN_TASK('third', 1, FALSE, FALSE, 0, s)\n\
+        ABORT_TASK('third', TRUE, TRUE, s)\nEND other\n";
+    let third = "PROGRAM third\nBEGIN\nWHILE TRUE DO\nENDWHILE\nEND third\n";
+    let config = config_of(main, &[])
+        .with_program(ProgramSource::new("other.kl", other))
+        .with_program(ProgramSource::new("third.kl", third));
+    let cell = Stepped::start(&config);
+    cell.advance(0.2).await;
+    let state = cell.controller.state().await.unwrap();
+    assert!(state.tasks.len() <= 3, "{:?}", state.tasks);
+}
+
+#[tokio::test]
 async fn a_task_that_another_aborts_gives_its_port_back() {
     let main = "PROGRAM main\nVAR s, n: INTEGER\nBEGIN\n\
         SET_VAR(n, '*SYSTEM*', '$HOSTS_CFG[4].$SERVER_PORT', 59003, s)\n\

@@ -300,6 +300,13 @@ pub(crate) enum StmtKind {
     },
     CloseFile(Path),
     CancelFile(Path),
+    /// `CANCEL` of the motion.
+    CancelMotion,
+    /// Names in the body are first looked for in these.
+    Using {
+        places: Vec<Path>,
+        body: Vec<Stmt>,
+    },
     Delay(Expr),
     /// All of them must hold.
     WaitFor(Vec<Expr>),

@@ -42,6 +42,8 @@ pub enum Progress<T> {
 pub enum Wait {
     /// More bytes, or the end, of a file.
     Readable(FileId),
+    /// As `Readable`, but only until this moment of the controller's clock.
+    ReadableUntil(FileId, Duration),
     /// Room to write to a file.
     Writable(FileId),
     /// A client on a tag, in upper case and without colon: `S3`.
@@ -264,6 +266,10 @@ pub trait Host {
 
     /// Status 0 when the motion met its termination criterion; another status ends the task.
     fn motion_ended(&mut self, motion: MotionId) -> Progress<Status>;
+
+    /// `CANCEL`: the arm brakes, whoever moves it. A MOVE that waits for it goes on as if it had
+    /// arrived: [`Host::motion_ended`] answers with status 0.
+    fn cancel_arm(&mut self, _task: TaskId) {}
 
     /// Cancels what a task moves; another task aborted it and wants that.
     fn cancel_motions(&mut self, _task: TaskId) {}

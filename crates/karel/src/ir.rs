@@ -140,6 +140,7 @@ pub(crate) enum Outward {
     OpenFile,
     CloseFile,
     CancelFile,
+    CancelMotion,
     Read(u32),
     Write(u32),
     Delay,

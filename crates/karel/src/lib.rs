@@ -21,6 +21,10 @@
 //!   must wait suspends the task with a [`Wait`]; its state is plain data, there is no thread and
 //!   no recursion. Status codes and error texts are the controller's ([`Status`],
 //!   [`RuntimeError`]).
+//! - **Several programs.** Routines of other programs are linked by name when programs are loaded;
+//!   `%INCLUDE` takes files of the caller ([`Includes`]); programs start and end each other's tasks.
+//! - **Memory without power.** [`Machine::export_cmos`] and [`Machine::import_cmos`] carry variables
+//!   `IN CMOS` and [`Registers`] over a power cycle.
 //! - **Units.** Positions are `f32` millimeters and degrees, W, P, R about the fixed X, Y, Z axes,
 //!   as KAREL has them.
 //!

@@ -180,9 +180,12 @@ impl Printer {
             }
             StmtKind::CloseFile(file) => self.line(&format!("(close-file {})", path(file))),
             StmtKind::CancelFile(file) => self.line(&format!("(cancel-file {})", path(file))),
+            StmtKind::CancelMotion => self.line("(cancel-motion)"),
+            StmtKind::Using { places, body } => {
+                self.nested(&format!("using {}", joined(places, path)), body);
+            }
             StmtKind::WaitFor(conditions) => {
-                let list: Vec<String> = conditions.iter().map(expr).collect();
-                self.line(&format!("(wait-for {})", list.join(" ")));
+                self.line(&format!("(wait-for {})", joined(conditions, expr)));
             }
             StmtKind::Delay(time) => self.line(&format!("(delay {})", expr(time))),
             StmtKind::MoveTo { target, waits } => {
@@ -201,6 +204,10 @@ impl Printer {
 fn tail(args: &[Expr]) -> String {
     args.iter()
         .fold(String::new(), |list, arg| list + " " + &expr(arg))
+}
+
+fn joined<T>(list: &[T], text: fn(&T) -> String) -> String {
+    list.iter().map(text).collect::<Vec<_>>().join(" ")
 }
 
 fn file_name(file: Option<&Path>) -> String {

@@ -71,6 +71,9 @@ impl Status {
     /// INTP-334: a read failed.
     pub const INTP_READ_FAILED: Status = Status(12334);
 
+    /// INTP-358: a READ gave up waiting, see `ATR_TIMEOUT`.
+    pub const INTP_READ_TIMEOUT: Status = Status(12358);
+
     /// PRIO-002: illegal port number.
     pub const PRIO_PORT_NUMBER: Status = Status(13002);
 
@@ -130,6 +133,16 @@ impl Status {
             .find(|(code, _)| *code == facility)
             .map(|(_, name)| *name)
     }
+}
+
+/// What `SET_FILE_ATR` sets.
+///
+/// ASSUMPTION: the numbers are ours; programs use the names.
+pub(crate) mod attribute {
+    /// `ATR_IA`: each WRITE is sent at once, as all are here.
+    pub(crate) const IMMEDIATE: i32 = 1;
+    /// `ATR_TIMEOUT`: milliseconds of a READ.
+    pub(crate) const TIMEOUT: i32 = 2;
 }
 
 /// What `GET_TSK_INFO` asks for and answers.

@@ -83,6 +83,12 @@ pub(crate) enum StmtKind {
     },
     CloseFile(Place),
     CancelFile(Place),
+    CancelMotion,
+    /// References to structures go to frame cells, then the body follows.
+    Using {
+        places: Vec<(Place, u32)>,
+        body: Vec<Stmt>,
+    },
     Delay(Expr),
     /// A condition that is looked at again and again until it holds.
     WaitFor(Expr),

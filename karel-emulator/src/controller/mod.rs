@@ -15,7 +15,7 @@ pub use power::CmosMemory;
 
 use std::time::Duration;
 
-use karel::{Machine, Run, Status, TaskId, Wait};
+use karel::{Machine, Port, PortValue, Run, Status, TaskId, Wait};
 
 use crate::alarms::{Alarm, Severity};
 use crate::config::{ControllerConfig, Limits};
@@ -23,6 +23,7 @@ use crate::effects::{ConnectionId, Effect, Event};
 use crate::error::StartError;
 use crate::hardware::Hardware;
 use crate::ledger::LedgerEntry;
+use crate::ports::SetInputError;
 
 /// The period in which a task may spend its instructions.
 const SHARE_PERIOD: Duration = Duration::from_millis(1);
@@ -157,7 +158,7 @@ impl Controller {
     pub fn next_wake(&self) -> Option<Duration> {
         let tasks = self.tasks.iter().filter_map(|task| match &task.phase {
             Phase::Ready => Some(self.hardware.now),
-            Phase::Waiting(Wait::Until(time)) => Some(*time),
+            Phase::Waiting(Wait::Until(time) | Wait::ReadableUntil(_, time)) => Some(*time),
             Phase::Waiting(_) | Phase::Over => None,
             Phase::Resting => Some(task.period.saturating_add(SHARE_PERIOD)),
         });
@@ -189,6 +190,25 @@ impl Controller {
         self.hardware.stop_arm(text);
         self.hardware
             .post(SYST_ABORTED, text.to_owned(), Severity::Warn);
+    }
+
+    /// Sets an input, as the world outside does.
+    ///
+    /// # Errors
+    /// Not an input, no such port, or a value that it cannot have.
+    pub fn set_input(
+        &mut self,
+        port: Port,
+        number: u16,
+        value: PortValue,
+    ) -> Result<(), SetInputError> {
+        if self.hardware.ports.set_input(port, number, value)? {
+            tracing::info!(
+                controller = %self.hardware.name,
+                "The input {port}[{number}] was set to {value:?} from outside.",
+            );
+        }
+        Ok(())
     }
 
     /// RESET: no alarm is active any more.
@@ -243,7 +263,7 @@ impl Controller {
         let now = self.hardware.now;
         for task in &mut self.tasks {
             let due = match &task.phase {
-                Phase::Waiting(Wait::Until(time)) => *time <= now,
+                Phase::Waiting(Wait::Until(time) | Wait::ReadableUntil(_, time)) => *time <= now,
                 Phase::Resting => task.period.saturating_add(SHARE_PERIOD) <= now,
                 Phase::Ready | Phase::Waiting(_) | Phase::Over => false,
             };

@@ -58,6 +58,7 @@ impl Controller {
                     peer: slot.connection().map(|connection| connection.peer),
                 })
                 .collect(),
+            ports: hardware.ports.view(),
             active_alarms: hardware.alarms.active(),
             ledger_seq: hardware.ledger.last_seq(),
         }
@@ -84,6 +85,7 @@ impl Controller {
 fn wait_in_words(wait: &Wait) -> String {
     match wait {
         Wait::Readable(_) => "waits for bytes".to_owned(),
+        Wait::ReadableUntil(_, time) => format!("waits for bytes until {:.3} s", seconds(*time)),
         Wait::Writable(_) => "waits until the peer takes bytes".to_owned(),
         Wait::Connect(tag) => format!("waits for a client on {tag}:"),
         Wait::MotionQueue => "waits for a place in the motion queue".to_owned(),

@@ -9,6 +9,7 @@ mod port;
 use std::collections::BTreeMap;
 use std::future::poll_fn;
 
+use karel::{Port, PortValue};
 use tokio::sync::{mpsc, oneshot, watch};
 use tokio::time::sleep_until;
 use tokio_util::sync::CancellationToken;
@@ -22,6 +23,7 @@ use crate::effects::Event;
 use crate::error::StartError;
 use crate::labels::PeerLabels;
 use crate::ledger::LedgerEntry;
+use crate::ports::SetInputError;
 use crate::state::State;
 use net::{Addresses, Net, News};
 
@@ -42,6 +44,12 @@ pub(crate) enum Command {
     Alarms(oneshot::Sender<Page<Alarm>>),
     Screen(oneshot::Sender<Vec<String>>),
     AbortAll(oneshot::Sender<()>),
+    SetInput {
+        port: Port,
+        number: u16,
+        value: PortValue,
+        answer: oneshot::Sender<Result<(), SetInputError>>,
+    },
     Registers(oneshot::Sender<karel::Registers>),
     PowerCycle {
         memory: CmosMemory,
@@ -224,6 +232,15 @@ impl Driver {
             Command::AbortAll(answer) => {
                 self.core.abort_all();
                 answer.send(()).map_err(drop)
+            }
+            Command::SetInput {
+                port,
+                number,
+                value,
+                answer,
+            } => {
+                let set = self.core.set_input(port, number, value);
+                answer.send(set).map_err(drop)
             }
             Command::Registers(answer) => answer.send(self.core.registers().clone()).map_err(drop),
             Command::PowerCycle { memory, answer } => {

@@ -124,7 +124,13 @@ impl Hardware {
 
     /// Brakes the running motion and drops the pending one.
     pub(crate) fn stop_arm(&mut self, reason: &str) {
+        self.brake(reason, MOTN_CANCELLED);
+    }
+
+    /// As [`Self::stop_arm`], but who waits for the motion goes on with this status.
+    pub(super) fn brake(&mut self, reason: &str, status: Status) {
         reason.clone_into(&mut self.stop_reason);
+        self.stop_status = status;
         if let Some(dropped) = self.executor.stop(self.now) {
             self.note_end(&dropped);
         }
@@ -201,7 +207,7 @@ impl Hardware {
         let tag = &end.motion.tag;
         let (event, status, word) = match end.outcome {
             Outcome::Finished => (LedgerEvent::Finished, Status::OK, "finished"),
-            Outcome::Cancelled => (LedgerEvent::Cancelled, MOTN_CANCELLED, "was stopped in"),
+            Outcome::Cancelled => (LedgerEvent::Cancelled, self.stop_status, "was stopped in"),
         };
         let mut entry = self.entry(event, tag, end.motion.path.from());
         entry.time_s = seconds(end.at);

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use karel::{
-    FileId, Host, Input, JointPosition, MotionId, MotionRequest, OpenMode, Position, Progress,
-    RuntimeError, Status, SysPath, SysValue, TaskId, Value, XyzwprExt,
+    FileId, Host, Input, JointPosition, MotionId, MotionRequest, OpenMode, Port, PortValue,
+    Position, Progress, RuntimeError, Status, SysPath, SysValue, TaskId, Value, XyzwprExt,
 };
 
 use super::Hardware;
@@ -97,6 +97,26 @@ impl Host for Hardware {
         }
     }
 
+    fn port(&self, port: Port, number: i32) -> Result<PortValue, Status> {
+        self.ports.get(port, number)
+    }
+
+    fn set_port(
+        &mut self,
+        task: TaskId,
+        port: Port,
+        number: i32,
+        value: PortValue,
+    ) -> Result<(), Status> {
+        if self.ports.set(port, number, value)? {
+            tracing::debug!(
+                controller = %self.name, task = task.0,
+                "A program set {port}[{number}] to {value:?}.",
+            );
+        }
+        Ok(())
+    }
+
     fn current_joints(&mut self, task: TaskId, group: i32) -> Result<JointPosition, Status> {
         only_group(group).map_err(|refusal| self.keep_refusal(task, refusal))?;
         let joints = self.executor.joints(self.now);
@@ -147,6 +167,11 @@ impl Host for Hardware {
 
     fn motion_ended(&mut self, motion: MotionId) -> Progress<Status> {
         self.outcome(motion)
+    }
+
+    fn cancel_arm(&mut self, task: TaskId) {
+        let reason = format!("CANCEL by task {}", task.0);
+        self.brake(&reason, Status::OK);
     }
 
     fn cancel_motions(&mut self, task: TaskId) {

@@ -20,6 +20,7 @@ use crate::controller::CmosMemory;
 use crate::effects::{ConnectionId, Effect, Tag};
 use crate::ledger::{Ledger, PoseMmDeg, seconds};
 use crate::motion::{Executor, Planner, Refusal};
+use crate::ports::Ports;
 use crate::sysvars::SystemVariables;
 use crate::tags::ServerTag;
 
@@ -35,6 +36,7 @@ pub(crate) struct Hardware {
     pub(crate) now: Duration,
     pub(crate) planner: Planner,
     pub(crate) variables: SystemVariables,
+    pub(crate) ports: Ports,
     pub(crate) executor: Executor<MotionTag>,
     pub(crate) override_percent: i32,
     pub(crate) ledger: Ledger,
@@ -52,6 +54,8 @@ pub(crate) struct Hardware {
     outcomes: VecDeque<(MotionId, Status)>,
     /// Why the arm was stopped last.
     stop_reason: String,
+    /// What tasks see that wait for a motion that was stopped.
+    stop_status: Status,
     /// Whose bytes each task read last.
     origins: BTreeMap<TaskId, Origin>,
     /// Why the last call of a task failed, in more words than a status has.
@@ -103,7 +107,7 @@ impl Wake {
     /// Whether this is what a task waits for.
     pub(crate) fn ends(self, wait: &Wait) -> bool {
         match wait {
-            Wait::Readable(file) => self == Wake::Readable(*file),
+            Wait::Readable(file) | Wait::ReadableUntil(file, _) => self == Wake::Readable(*file),
             Wait::Writable(file) => self == Wake::Writable(*file),
             Wait::Connect(name) => Tag::parse(name).is_some_and(|tag| self == Wake::Connect(tag)),
             Wait::MotionQueue => self == Wake::MotionQueue,
@@ -120,6 +124,7 @@ impl Hardware {
             now: Duration::ZERO,
             planner: Planner::new(config.model.clone()),
             variables: SystemVariables::new(),
+            ports: Ports::new(config.ports),
             executor: Executor::new(config.start_joints, 1.0),
             override_percent: 100,
             ledger: Ledger::new(config.limits.ledger_entries),
@@ -134,6 +139,7 @@ impl Hardware {
             last_motion: 0,
             outcomes: VecDeque::new(),
             stop_reason: String::new(),
+            stop_status: Status::OK,
             origins: BTreeMap::new(),
             refusals: BTreeMap::new(),
         }
@@ -161,6 +167,7 @@ impl Hardware {
         if memory == CmosMemory::Lost {
             self.variables = SystemVariables::new();
         }
+        self.ports.power_cycle();
         self.follow_override();
     }
 

@@ -11,7 +11,7 @@ use super::{Builtin, Context, Outcome, Param, Returns};
 use crate::{
     host::{InputEnd, Progress},
     machine::{cell::Cell, fault::Fault},
-    status::Status,
+    status::{Status, attribute},
 };
 
 #[rustfmt::skip]
@@ -20,6 +20,7 @@ pub(super) const TABLE: &[Builtin] = &[
     Builtin { name: "CLR_IO_STAT", params: &[Param::File], required: 1, returns: Returns::Nothing, code: clr_io_stat },
     Builtin { name: "IO_STATUS", params: &[Param::File], required: 1, returns: Returns::Integer, code: io_status },
     Builtin { name: "MSG_CONNECT", params: &[Param::Text, Param::OutInteger], required: 2, returns: Returns::Nothing, code: msg_connect },
+    Builtin { name: "SET_FILE_ATR", params: &[Param::File, Param::Integer, Param::Integer], required: 2, returns: Returns::Nothing, code: set_file_atr },
     Builtin { name: "MSG_DISCO", params: &[Param::Text, Param::OutInteger], required: 2, returns: Returns::Nothing, code: msg_disco },
 ];
 
@@ -39,6 +40,29 @@ fn clr_io_stat(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     let mut file = context.memory.file(at);
     file.status = 0;
     context.memory.set_file(at, file);
+    Ok(Outcome::Done)
+}
+
+/// Attributes of a FILE variable, for all files that it opens and the one that is open.
+fn set_file_atr(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    let at = context.variable(0);
+    match context.integer(1) {
+        attribute::IMMEDIATE => {}
+        attribute::TIMEOUT if context.has_arg(2) => {
+            let given = context.integer(2);
+            let timeout = u32::try_from(given)
+                .map_err(|_| Fault::argument(format!("ATR_TIMEOUT of {given} ms, less than 0")))?;
+            let mut file = context.memory.file(at);
+            file.timeout_ms = timeout;
+            context.memory.set_file(at, file);
+        }
+        attribute::TIMEOUT => return Err(Fault::argument("ATR_TIMEOUT needs milliseconds")),
+        other => {
+            return Err(Fault::argument(format!(
+                "SET_FILE_ATR with the attribute {other}, which is not supported"
+            )));
+        }
+    }
     Ok(Outcome::Done)
 }
 

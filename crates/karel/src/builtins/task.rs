@@ -17,6 +17,7 @@ use crate::{
 pub(super) const TABLE: &[Builtin] = &[
     Builtin { name: "ABORT_TASK", params: &[Param::Text, Param::Boolean, Param::Boolean, Param::OutInteger], required: 4, returns: Returns::Nothing, code: abort_task },
     Builtin { name: "CURR_PROG", params: &[], required: 0, returns: Returns::Text, code: curr_prog },
+    Builtin { name: "GET_TIME", params: &[Param::OutInteger], required: 1, returns: Returns::Nothing, code: get_time },
     Builtin { name: "GET_TSK_INFO", params: &[Param::InOutText, Param::InOutInteger, Param::Integer, Param::OutInteger, Param::OutText, Param::OutInteger], required: 6, returns: Returns::Nothing, code: get_tsk_info },
     Builtin { name: "RUN_TASK", params: &[Param::Text, Param::Integer, Param::Boolean, Param::Boolean, Param::Integer, Param::OutInteger], required: 6, returns: Returns::Nothing, code: run_task },
 ];
@@ -164,6 +165,22 @@ fn report(context: &mut Context<'_>, found: &Found) -> Status {
         context.put(1, integer(number));
     }
     Status::OK
+}
+
+/// Date and time in one number: seconds/2 in 5 bits, minutes in 6, hours in 5, day in 5, month in
+/// 4, years since 1980 in 7.
+///
+/// ASSUMPTION: this crate has no calendar; the controller's clock starts at 1980-01-01 00:00 when it
+/// is switched on.
+fn get_time(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    let seconds = context.host.now().as_secs();
+    let (minutes, hours, days) = (seconds / 60 % 60, seconds / 3600 % 24, seconds / 86_400);
+    // Beyond a month nobody looks; the day stays the last.
+    let day = 1 + days.min(30);
+    let date = (day << 16) | (1 << 21);
+    let packed = date | (hours << 11) | (minutes << 5) | (seconds % 60 / 2);
+    context.put(0, Cell::Integer(i32::try_from(packed).unwrap_or(i32::MAX)));
+    Ok(Outcome::Done)
 }
 
 /// The program whose routine runs.

@@ -19,6 +19,8 @@ pub(super) fn predefined(name: &str) -> Option<Constant> {
         "MININT" => Constant::Integer(i32::MIN),
         "DEG_2_RAD" => Constant::Real(std::f32::consts::PI / 180.0),
         "RAD_2_DEG" => Constant::Real(180.0 / std::f32::consts::PI),
+        "ATR_IA" => Constant::Integer(crate::status::attribute::IMMEDIATE),
+        "ATR_TIMEOUT" => Constant::Integer(crate::status::attribute::TIMEOUT),
         "TSK_STATUS" => Constant::Integer(crate::status::task::STATUS),
         "TSK_LINENUM" => Constant::Integer(crate::status::task::LINE),
         "TSK_PROGNAME" => Constant::Integer(crate::status::task::PROGRAM),

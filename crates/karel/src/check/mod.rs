@@ -1,5 +1,6 @@
 //! Resolves names and types everything; reports every error it finds.
 
+mod argument;
 mod call;
 mod constant;
 mod decl;
@@ -9,6 +10,7 @@ mod port;
 mod scope;
 mod stmt;
 mod transfer;
+mod using;
 mod written_type;
 
 use std::collections::HashMap;
@@ -109,6 +111,8 @@ struct Frame {
     labels: HashMap<String, Label>,
     next_label: u32,
     returns_value: bool,
+    /// Structures of the USING statements around, innermost last: frame cell of the reference, type.
+    using: Vec<(u32, Type)>,
 }
 
 #[derive(Debug)]

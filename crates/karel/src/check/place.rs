@@ -25,6 +25,23 @@ impl Checker<'_> {
                 .error_with_help(path.span, message, "use a variable of the program");
             return None;
         }
+        let mut place = match self.using_field(&path.root.text) {
+            Some(field) => field,
+            None => self.root_place(path)?,
+        };
+        for step in &path.steps {
+            match step {
+                PathStep::Field(name) => self.field_step(&mut place, name)?,
+                PathStep::Index { subscripts, span } => {
+                    self.index_step(&mut place, subscripts, *span)?;
+                }
+            }
+        }
+        Some(place)
+    }
+
+    /// The variable at the start of a path.
+    fn root_place(&mut self, path: &Path) -> Option<Place> {
         let (root, ty) = match self.find_symbol(&path.root.text) {
             Some(Symbol::Variable { root, ty }) => (*root, ty.clone()),
             Some(Symbol::Constant(_)) => {
@@ -53,20 +70,11 @@ impl Checker<'_> {
                 return None;
             }
         };
-        let mut place = Place {
+        Some(Place {
             root,
             steps: Vec::new(),
             ty,
-        };
-        for step in &path.steps {
-            match step {
-                PathStep::Field(name) => self.field_step(&mut place, name)?,
-                PathStep::Index { subscripts, span } => {
-                    self.index_step(&mut place, subscripts, *span)?;
-                }
-            }
-        }
-        Some(place)
+        })
     }
 
     fn field_step(&mut self, place: &mut Place, name: &Name) -> Option<()> {
@@ -128,6 +136,10 @@ impl Checker<'_> {
     }
 
     pub(super) fn undeclared(&mut self, name: &Name) {
+        if name.text.starts_with("ATR_") {
+            let message = format!("the file attribute {} is not supported yet", name.text);
+            return self.reports.error(name.span, message);
+        }
         let message = format!("`{}` is not declared", name.text);
         self.report_unknown(name, &message, &[]);
     }
@@ -221,6 +233,13 @@ impl Checker<'_> {
             return Some(typed::Expr {
                 ty: place.ty.clone(),
                 kind: ExprKind::System(place),
+            });
+        }
+        if self.using_field(&name.text).is_some() {
+            let place = self.place(path)?;
+            return Some(typed::Expr {
+                ty: place.ty.clone(),
+                kind: ExprKind::Place(place),
             });
         }
         if let Some(port) = self.port_array(path) {

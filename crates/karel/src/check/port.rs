@@ -13,7 +13,9 @@ impl Checker<'_> {
     /// The array of ports that a path means; a variable of the program may have its name.
     pub(super) fn port_array(&self, path: &Path) -> Option<Port> {
         let port = Port::named(&path.root.text)?;
-        self.find_symbol(&path.root.text).is_none().then_some(port)
+        let name = &path.root.text;
+        let hidden = self.find_symbol(name).is_some() || self.using_field(name).is_some();
+        (!hidden).then_some(port)
     }
 
     pub(super) fn port_place(&mut self, port: Port, path: &Path) -> Option<PortPlace> {

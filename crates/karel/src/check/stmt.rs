@@ -74,6 +74,8 @@ impl Checker<'_> {
             }
             ast::StmtKind::CloseFile(file) => self.file(file).map(StmtKind::CloseFile),
             ast::StmtKind::CancelFile(file) => self.file(file).map(StmtKind::CancelFile),
+            ast::StmtKind::CancelMotion => Some(StmtKind::CancelMotion),
+            ast::StmtKind::Using { places, body } => Some(self.using(places, body)),
             ast::StmtKind::WaitFor(conditions) => self.wait_for(conditions, stmt.span),
             ast::StmtKind::Delay(time) => Some(StmtKind::Delay(self.integer(time))),
             ast::StmtKind::MoveTo { target, waits } => {
@@ -222,6 +224,10 @@ impl Checker<'_> {
     }
 
     fn define_label(&mut self, name: &Name) -> StmtKind {
+        if !self.frame.using.is_empty() {
+            let message = "a label inside USING is not supported yet";
+            self.reports.error(name.span, message);
+        }
         let id = self.label(name);
         if let Some(label) = self.frame.labels.get_mut(&name.text) {
             if label.defined {
@@ -249,6 +255,7 @@ impl Checker<'_> {
     }
 
     pub(super) fn is_declared(&self, name: &str) -> bool {
-        matches!(self.find_symbol(name), Some(Symbol::Variable { .. }))
+        let is_variable = matches!(self.find_symbol(name), Some(Symbol::Variable { .. }));
+        is_variable || self.using_field(name).is_some()
     }
 }

@@ -100,15 +100,9 @@ impl Lowering<'_> {
                 self.address(file);
                 self.emit(Op::Outward(Outward::CancelFile));
             }
-            StmtKind::WaitFor(condition) => {
-                let top = self.here();
-                self.scalar(condition);
-                let to_end = self.emit_jump(Op::JumpIfTrue);
-                self.emit(Op::Outward(Outward::Scan));
-                let back = self.emit_jump(Op::Jump);
-                self.patch_to(back, top);
-                self.patch(to_end);
-            }
+            StmtKind::CancelMotion => self.emit(Op::Outward(Outward::CancelMotion)),
+            StmtKind::Using { places, body } => self.using(places, body),
+            StmtKind::WaitFor(condition) => self.wait_for(condition),
             StmtKind::Delay(time) => {
                 self.scalar(time);
                 self.emit(Op::Outward(Outward::Delay));
@@ -119,6 +113,24 @@ impl Lowering<'_> {
             }
             StmtKind::Abort => self.emit(Op::Outward(Outward::EndTask)),
         }
+    }
+
+    fn using(&mut self, places: &[(Place, u32)], body: &[Stmt]) {
+        for (place, cell) in places {
+            self.address(place);
+            self.emit(Op::StoreLocal(*cell));
+        }
+        self.stmts(body);
+    }
+
+    fn wait_for(&mut self, condition: &Expr) {
+        let top = self.here();
+        self.scalar(condition);
+        let to_end = self.emit_jump(Op::JumpIfTrue);
+        self.emit(Op::Outward(Outward::Scan));
+        let back = self.emit_jump(Op::Jump);
+        self.patch_to(back, top);
+        self.patch(to_end);
     }
 
     fn assign(&mut self, place: &Place, value: &Expr) {

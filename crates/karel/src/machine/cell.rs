@@ -65,6 +65,8 @@ pub(crate) struct FileCell {
     /// What `IO_STATUS` answers.
     pub(crate) status: i32,
     pub(crate) line_state: LineState,
+    /// `ATR_TIMEOUT` in milliseconds, 0 for none. It stays when the file is closed.
+    pub(crate) timeout_ms: u32,
 }
 
 /// Where a cell is, and a length that belongs to the reference: of an open array or a string.

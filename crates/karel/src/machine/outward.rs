@@ -41,6 +41,10 @@ impl Exec<'_> {
             Outward::OpenFile => Ok(self.open_file()),
             Outward::CloseFile => Ok(self.close_file()),
             Outward::CancelFile => Ok(self.cancel_file()),
+            Outward::CancelMotion => {
+                self.host.cancel_arm(self.id);
+                Ok(Flow::Next)
+            }
             Outward::Read(row) => Ok(self.read(row)),
             Outward::Write(row) => self.write(row),
             Outward::Delay => self.delay(),

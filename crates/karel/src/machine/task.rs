@@ -44,7 +44,12 @@ pub(crate) enum Pending {
     /// A DELAY, or a pause that a built-in takes before it goes on.
     Until(Duration),
     /// Items of a READ that are done.
-    Read { item: usize, operand: usize },
+    Read {
+        item: usize,
+        operand: usize,
+        /// When the READ gives up.
+        until: Option<Duration>,
+    },
     /// A MOVE that was started.
     Motion(MotionId),
 }

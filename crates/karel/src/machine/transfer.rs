@@ -2,6 +2,8 @@
 //!
 //! I/O never ends a task: what went wrong is in the FILE variable, for `IO_STATUS`.
 
+use std::time::Duration;
+
 use super::{
     cell::{Address, Cell, FileCell},
     exec::{Exec, Flow, row_of},
@@ -56,6 +58,7 @@ impl Exec<'_> {
             at,
             FileCell {
                 status: status.0,
+                timeout_ms: file.timeout_ms,
                 ..FileCell::default()
             },
         );
@@ -78,20 +81,36 @@ impl Exec<'_> {
         let shape = row_of(&program.code.reads, row);
         let operands = shape.operands as usize;
         let at = self.operand_address(operands - 1);
-        let (mut item, mut operand) = match self.task.pending {
-            Pending::Read { item, operand } => (item, operand),
-            Pending::None | Pending::Until(_) | Pending::Motion(_) => (0, 1),
-        };
         let mut file = self.memory().file(at);
+        let (mut item, mut operand, until) = match self.task.pending {
+            Pending::Read {
+                item,
+                operand,
+                until,
+            } => (item, operand, until),
+            Pending::None | Pending::Until(_) | Pending::Motion(_) => (0, 1, self.deadline(file)),
+        };
         file.status = 0;
         while let Some(part) = shape.items.get(item) {
             let below = (operands - 1).saturating_sub(operand);
             let (target, format) = self.read_format(part, below);
             match self.read_item(&mut file, format) {
-                Err(wait) => {
+                Err(_) if until.is_some_and(|until| until <= self.host.now()) => {
+                    file.status = Status::INTP_READ_TIMEOUT.0;
+                    self.clear_rest(shape.items.get(item..).unwrap_or_default(), below);
+                    break;
+                }
+                Err(id) => {
                     self.memory().set_file(at, file);
-                    self.task.pending = Pending::Read { item, operand };
-                    return Flow::Blocked(wait);
+                    self.task.pending = Pending::Read {
+                        item,
+                        operand,
+                        until,
+                    };
+                    return Flow::Blocked(match until {
+                        Some(until) => Wait::ReadableUntil(id, until),
+                        None => Wait::Readable(id),
+                    });
                 }
                 Ok(Ok(value)) => {
                     if let Some(target) = target {
@@ -136,11 +155,19 @@ impl Exec<'_> {
         }
     }
 
+    /// ASSUMPTION: the time of `ATR_TIMEOUT` counts for each READ statement from its start; what
+    /// was received stays for the next READ.
+    fn deadline(&self, file: FileCell) -> Option<Duration> {
+        let timeout = Duration::from_millis(file.timeout_ms.into());
+        (file.timeout_ms > 0).then(|| self.host.now().saturating_add(timeout))
+    }
+
+    /// The item, or the file that has to bring more for it.
     fn read_item(
         &mut self,
         file: &mut FileCell,
         format: Result<ItemFormat, Status>,
-    ) -> Result<Result<ReadValue, Status>, Wait> {
+    ) -> Result<Result<ReadValue, Status>, FileId> {
         let Some(id) = file.file else {
             return Ok(Err(Status::INTP_NOT_OPEN));
         };
@@ -154,7 +181,7 @@ impl Exec<'_> {
             self.host.consume(id, reading.consumed);
         }
         match reading.result {
-            ReadResult::Incomplete => Err(Wait::Readable(id)),
+            ReadResult::Incomplete => Err(id),
             ReadResult::Value(value) => Ok(Ok(value)),
             ReadResult::Failed(status) => Ok(Err(status)),
         }

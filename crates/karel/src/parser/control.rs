@@ -111,21 +111,22 @@ impl Parser<'_> {
 
     pub(super) fn using_statement(&mut self) -> Parsed<StmtKind> {
         let opener = self.bump().span;
+        let mut places = Vec::new();
         let _ = self.head(Keyword::Do, |parser| {
             loop {
-                let path = parser.path()?;
+                places.push(parser.path()?);
                 if !parser.eat_symbol(Symbol::Comma) {
                     return Ok(Expr {
-                        kind: ExprKind::Path(path),
+                        kind: ExprKind::Error,
                         span: opener,
                         height: 1,
                     });
                 }
             }
         });
-        let _ = self.inner_block(&[Keyword::EndUsing]);
+        let body = self.inner_block(&[Keyword::EndUsing]);
         self.expect_closer(Keyword::EndUsing, opener, "USING")?;
-        Ok(StmtKind::Unsupported("USING".to_owned()))
+        Ok(StmtKind::Using { places, body })
     }
 
     /// A block inside a statement that is closed by one of `closers`.

@@ -85,7 +85,10 @@ impl Parser<'_> {
             self.position += 1;
             return Ok(StmtKind::CancelFile(self.path()?));
         }
-        Ok(self.unsupported_line("CANCEL of a motion"))
+        if self.at_separator() || self.peek().kind == TokenKind::EndOfFile {
+            return Ok(StmtKind::CancelMotion);
+        }
+        Ok(self.unsupported_line("CANCEL of a group"))
     }
 
     pub(super) fn move_statement(&mut self) -> Parsed<StmtKind> {

@@ -2,7 +2,7 @@
 //!
 //! A program that has errors gives its diagnostics; one whose first line is `-- golden: tree`
 //! gives its tree; any other is run, and gives its warnings and its trace. Lines that start with
-//! `-->` are the script: `connect`, `send TEXT` (`\n`, `\r` as such), `close`, `fail-connect N`,
+//! `-->` are the script: `connect`, `send TEXT` (`\n`, `\r` as such), `silence`, `close`, `fail-connect N`,
 //! `fail-motion N`; `load FILE` loads one more program before. Those, and files for `%INCLUDE`, are
 //! in `tests/cases/more`. Every case gives the same with CRLF line ends. `UPDATE_GOLDEN=1` rewrites.
 
@@ -135,6 +135,7 @@ fn event(line: &str) -> Event {
     match word {
         "connect" => Event::Connect,
         "close" => Event::Close,
+        "silence" => Event::Silence,
         "send" => Event::Send(rest.replace("\\n", "\n").replace("\\r", "\r").into_bytes()),
         "fail-connect" => Event::FailConnect(rest.parse().unwrap()),
         "fail-motion" => Event::FailMotion(rest.parse().unwrap()),

@@ -18,6 +18,8 @@ pub(crate) enum Event {
     Connect,
     /// It sends these bytes in one piece.
     Send(Vec<u8>),
+    /// It sends nothing until a READ gives up.
+    Silence,
     /// It closes its side.
     Close,
     /// A `MSG_CONNECT` that fails with this status.
@@ -93,7 +95,11 @@ impl ScriptedHost {
                 Some(Event::FailConnect(status)) => self.refusal = Some(Status(status)),
                 other => return self.unfit(other),
             },
-            Wait::Readable(_) => match self.script.pop_front() {
+            Wait::ReadableUntil(_, until) if self.script.front() == Some(&Event::Silence) => {
+                let _silence = self.script.pop_front();
+                self.now = (*until).max(self.now);
+            }
+            Wait::Readable(_) | Wait::ReadableUntil(..) => match self.script.pop_front() {
                 Some(Event::Send(bytes)) => self.received.extend(bytes),
                 Some(Event::Close) => self.closed = true,
                 other => return self.unfit(other),
@@ -287,6 +293,10 @@ impl Host for ScriptedHost {
         self.note(&format!("{port}[{number}] = {value:?}"));
         let _old = self.ports.insert((port, number), value);
         Ok(())
+    }
+
+    fn cancel_arm(&mut self, _: TaskId) {
+        self.note("cancel motion");
     }
 
     fn current_joints(&mut self, _: TaskId, _: i32) -> Result<JointPosition, Status> {

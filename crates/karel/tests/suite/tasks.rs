@@ -28,7 +28,7 @@ fn run_all(machine: &mut Machine, host: &mut ScriptedHost, fuel: u32) {
             }
         }
         waits.sort_by_key(|wait| match wait {
-            Wait::Until(until) => *until,
+            Wait::Until(until) | Wait::ReadableUntil(_, until) => *until,
             Wait::Readable(_)
             | Wait::Writable(_)
             | Wait::Connect(_)
