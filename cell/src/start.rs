@@ -1,7 +1,6 @@
 //! From the configuration to running parts, and back down in order.
 
 use std::io::IsTerminal as _;
-use std::net::SocketAddr;
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result};
@@ -12,7 +11,7 @@ use tokio::signal::unix::{SignalKind, signal};
 use tokio_util::sync::CancellationToken;
 
 use crate::config::{self, Loaded};
-use crate::virtual_controllers::{self, Running};
+use crate::virtual_controllers::{self, Prepared, Running};
 use crate::{Cli, banner};
 
 /// Runs until it is told to stop.
@@ -24,7 +23,7 @@ pub(crate) fn start(cli: &Cli) -> Result<()> {
     if let Some(listen) = &cli.listen {
         loaded.file.server.listen.clone_from(listen);
     }
-    check(&loaded).with_context(|| format!("in {}", loaded.name))?;
+    let prepared = check(&loaded).with_context(|| format!("in {}", loaded.name))?;
     if cli.check {
         return banner::checked(&loaded);
     }
@@ -38,34 +37,24 @@ pub(crate) fn start(cli: &Cli) -> Result<()> {
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .enable_all()
         .build()?;
-    runtime.block_on(run(loaded))
+    runtime.block_on(run(loaded, prepared))
 }
 
 /// Everything that can be checked before anything starts.
-fn check(loaded: &Loaded) -> Result<()> {
-    let mut cells = loaded.file.cells.clone();
-    let mut addresses = Vec::new();
-    for (index, section) in loaded.file.virtual_controllers.iter().enumerate() {
-        let key = format!("virtual_controllers[{index}]");
-        drop(virtual_controllers::prepare(section, &loaded.folder, &key)?);
-        // Stands for the address that is known once the controller runs.
-        addresses.push((section.name.clone(), SocketAddr::from(([127, 0, 0, 1], 1))));
-    }
-    virtual_controllers::resolve(&mut cells, &addresses)?;
-    let _plan = Plan::try_new(&loaded.file.server, &cells)?;
-    Ok(())
+fn check(loaded: &Loaded) -> Result<Vec<Prepared>> {
+    let file = &loaded.file;
+    let prepared = virtual_controllers::prepare_all(&file.virtual_controllers, &loaded.folder)?;
+    let mut cells = file.cells.clone();
+    virtual_controllers::resolve(&mut cells, &virtual_controllers::placeholders(&prepared))?;
+    let _plan = Plan::try_new(&file.server, &cells)?;
+    Ok(prepared)
 }
 
-async fn run(loaded: Loaded) -> Result<()> {
-    let Loaded {
-        mut file,
-        folder,
-        name,
-    } = loaded;
+async fn run(loaded: Loaded, prepared: Vec<Prepared>) -> Result<()> {
+    let Loaded { mut file, name, .. } = loaded;
     let stop = stop_on_signals()?;
     let labels = PeerLabels::new();
-    let controllers =
-        virtual_controllers::start_all(&file.virtual_controllers, &folder, &labels).await?;
+    let controllers = virtual_controllers::start_all(prepared, &labels).await?;
     let addresses: Vec<_> = controllers
         .iter()
         .map(|part| (part.name.clone(), part.robot_address))

@@ -25,30 +25,67 @@ pub(crate) struct Running {
     pub(crate) controller: VirtualController,
 }
 
-/// Starts every controller, in the order of the file.
+/// A virtual controller that was checked and has not started.
+#[derive(Debug)]
+pub(crate) struct Prepared {
+    key: String,
+    name: String,
+    robot_port: u16,
+    config: ControllerConfig,
+    clock: Clock,
+}
+
+/// Checks every section and reads its programs, in the order of the file.
 ///
 /// # Errors
-/// The first that does not start, by its name.
-pub(crate) async fn start_all(
+/// The first key that does not fit, with its value and the limit.
+pub(crate) fn prepare_all(
     sections: &[VirtualControllerSection],
     folder: &Path,
-    labels: &PeerLabels,
-) -> Result<Vec<Running>> {
-    let mut running: Vec<Running> = Vec::with_capacity(sections.len());
+) -> Result<Vec<Prepared>> {
+    let mut prepared: Vec<Prepared> = Vec::with_capacity(sections.len());
     for (index, section) in sections.iter().enumerate() {
         let key = format!("virtual_controllers[{index}]");
-        if running.iter().any(|other| other.name == section.name) {
+        if prepared.iter().any(|other| other.name == section.name) {
             bail!(
                 "{key}.name: `{}` is the name of an earlier controller",
                 section.name
             );
         }
         let (config, clock) = prepare(section, folder, &key)?;
-        let controller = VirtualController::start(&config, clock, labels.clone())
-            .with_context(|| format!("starting {key} `{}`", section.name))?;
-        let robot_address = controller.address_of_port(section.robot_port).await?;
-        running.push(Running {
+        prepared.push(Prepared {
+            key,
             name: section.name.clone(),
+            robot_port: section.robot_port,
+            config,
+            clock,
+        });
+    }
+    Ok(prepared)
+}
+
+/// The names that a robot's `controller` may refer to, with an address that stands for the real one until it is known.
+pub(crate) fn placeholders(prepared: &[Prepared]) -> Vec<(String, SocketAddr)> {
+    let somewhere = SocketAddr::from(([127, 0, 0, 1], 1));
+    let names = prepared.iter().map(|part| part.name.clone());
+    names.map(|name| (name, somewhere)).collect()
+}
+
+/// Starts every controller.
+///
+/// # Errors
+/// The first that does not start, by its name.
+pub(crate) async fn start_all(
+    prepared: Vec<Prepared>,
+    labels: &PeerLabels,
+) -> Result<Vec<Running>> {
+    let mut running = Vec::with_capacity(prepared.len());
+    for part in prepared {
+        let controller = VirtualController::start(&part.config, part.clock, labels.clone())
+            .with_context(|| format!("starting {} `{}`", part.key, part.name))?;
+        let robot_address = controller.address_of_port(part.robot_port).await?;
+        running.push(Running {
+            name: part.name,
             robot_address,
             controller,
         });
@@ -57,10 +94,7 @@ pub(crate) async fn start_all(
 }
 
 /// What a section says, checked.
-///
-/// # Errors
-/// The first key that does not fit, with its value and the limit.
-pub(crate) fn prepare(
+fn prepare(
     section: &VirtualControllerSection,
     folder: &Path,
     key: &str,

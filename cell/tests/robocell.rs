@@ -226,6 +226,23 @@ fn a_wrong_unit_is_answered_with_the_right_one() {
 }
 
 #[test]
+fn two_controllers_of_one_name_are_refused_before_anything_starts() {
+    let text = cell(any_port(), any_port());
+    let (_, section) = text.split_once("[[virtual_controllers]]").unwrap();
+    let config = ConfigFile::new(
+        "one-name",
+        &format!("{text}[[virtual_controllers]]{section}"),
+    );
+    let Output { status, stderr, .. } = robocell(&config).arg("--check").output().unwrap();
+    let said = String::from_utf8(stderr).unwrap();
+    assert_eq!(status.code(), Some(2), "{said}");
+    assert!(
+        said.contains("virtual_controllers[1].name") && said.contains("vc1"),
+        "{said}"
+    );
+}
+
+#[test]
 fn a_controller_that_is_not_in_the_file_is_named() {
     let said = complaint(
         "dangling",
