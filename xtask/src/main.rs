@@ -3,6 +3,7 @@
 mod bench;
 mod ci;
 mod command;
+mod failures;
 mod openapi;
 
 use anyhow::Result;
@@ -34,6 +35,8 @@ enum Task {
     Ci,
     /// Write openapi.yaml from the server's routes.
     Openapi,
+    /// Write docs/failures.md from docs/failures.toml and the tests.
+    Failures,
     /// Run a benchmark against the peer, both in one run.
     Bench {
         /// Which one.
@@ -53,6 +56,7 @@ fn main() -> Result<()> {
         Task::Test { args } => ci::test(&args),
         Task::Ci => ci::all(),
         Task::Openapi => openapi::write(),
+        Task::Failures => failures::write(),
         Task::Bench { which, args } => bench::run(which, &args),
     }
 }
