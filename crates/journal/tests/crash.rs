@@ -63,6 +63,7 @@ async fn append_for_ever(journal: Arc<impl Journal>, task: u128) {
     }
 }
 
+/// Covers: P2, D6.
 #[test]
 fn every_confirmed_record_is_there_after_the_process_was_killed() {
     let (_directory, path) = directory();

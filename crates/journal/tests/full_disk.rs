@@ -20,6 +20,7 @@ fn long(n: u64) -> Record {
     Record::Audit(audit)
 }
 
+/// Covers: D1.
 #[tokio::test]
 async fn a_full_disk_stops_the_journal_and_leaves_nothing_half_written() {
     let (_directory, path) = directory();

@@ -16,6 +16,7 @@ use journal::{
     ReadError, Record, Refusal, SqliteJournal, SqliteOptions, verify,
 };
 
+/// Covers: D8.
 #[tokio::test]
 async fn a_second_process_is_told_that_the_journal_is_in_use() {
     let (_directory, path) = directory();
@@ -110,6 +111,7 @@ async fn a_motion_of_another_epoch_is_refused_and_the_journal_goes_on() {
     assert!(journal.append(at(1), audit(1)).await.is_ok());
 }
 
+/// Covers: D5.
 #[tokio::test]
 async fn an_older_journal_in_the_place_of_a_newer_one_is_noticed() {
     let (directory, path) = directory();
@@ -137,6 +139,7 @@ async fn an_older_journal_in_the_place_of_a_newer_one_is_noticed() {
     assert_eq!(journal.unwrap().epoch(), Epoch(3));
 }
 
+/// Covers: D5.
 #[tokio::test]
 async fn a_deleted_journal_is_noticed() {
     let (_directory, path) = directory();

@@ -56,6 +56,7 @@ fn holds(before: Head, line: &[u8]) -> bool {
     check().is_ok()
 }
 
+/// Covers: D4.
 #[tokio::test]
 async fn every_flipped_byte_of_a_thousand_records_is_noticed() {
     let (_directory, path) = directory();
@@ -202,6 +203,7 @@ async fn tables_that_are_not_what_the_records_amount_to_are_named() {
     }
 }
 
+/// Covers: D3, D4.
 #[tokio::test]
 async fn a_damaged_end_is_refused_at_the_opening() {
     for sql in [

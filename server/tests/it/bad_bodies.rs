@@ -18,6 +18,7 @@ fn motion(x: &str, speed: &str) -> String {
     )
 }
 
+/// Covers: H9.
 #[tokio::test]
 async fn what_is_no_json_is_named_with_its_position() {
     let robot = FakeRobot::accepting().await;
@@ -62,6 +63,7 @@ async fn what_is_no_json_is_named_with_its_position() {
     robot.assert_untouched();
 }
 
+/// Covers: H9, H1.
 #[tokio::test]
 async fn a_key_that_is_missing_unknown_double_or_of_another_type_is_named() {
     let robot = FakeRobot::accepting().await;
@@ -131,6 +133,7 @@ async fn a_key_that_is_missing_unknown_double_or_of_another_type_is_named() {
     robot.assert_untouched();
 }
 
+/// Covers: H1, H2, H3.
 #[tokio::test]
 async fn a_number_the_wire_cannot_carry_is_refused_with_its_value_and_limit() {
     let robot = FakeRobot::accepting().await;
@@ -165,6 +168,7 @@ async fn a_number_the_wire_cannot_carry_is_refused_with_its_value_and_limit() {
     robot.assert_untouched();
 }
 
+/// Covers: H9.
 #[tokio::test]
 async fn a_body_that_is_too_large_is_not_read() {
     let robot = FakeRobot::accepting().await;
@@ -188,6 +192,7 @@ async fn a_body_that_is_too_large_is_not_read() {
     robot.assert_untouched();
 }
 
+/// Covers: H9.
 #[tokio::test]
 async fn another_content_type_is_refused() {
     let robot = FakeRobot::accepting().await;

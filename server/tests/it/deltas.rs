@@ -33,6 +33,7 @@ async fn a_delta_counts_from_the_last_accepted_target_of_any_route() {
     assert_eq!(state["pose"]["z_mm"], 961.0);
 }
 
+/// Covers: H5.
 #[tokio::test]
 async fn a_refusal_leaves_the_base_and_a_doubt_removes_it() {
     let robot = FakeRobot::start([

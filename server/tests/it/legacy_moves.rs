@@ -60,6 +60,7 @@ async fn the_version_is_a_list() {
     );
 }
 
+/// Covers: W6.
 #[tokio::test]
 async fn a_refusal_of_the_controller_is_its_own_words() {
     for text in ["ERROR: POINT UNREACHABLE", "ERROR: INCORRECT INPUT"] {
@@ -71,6 +72,7 @@ async fn a_refusal_of_the_controller_is_its_own_words() {
     }
 }
 
+/// Covers: W4.
 #[tokio::test]
 async fn a_reply_that_comes_in_single_bytes_is_put_together() {
     let robot = FakeRobot::start([Act::ReplyInSingleBytes(ACCEPTED)]).await;
@@ -108,6 +110,7 @@ async fn a_point_the_arm_cannot_reach_is_refused_in_the_controllers_manner_and_n
     robot.assert_untouched();
 }
 
+/// Covers: H3.
 #[tokio::test]
 async fn a_velocity_that_is_no_whole_number_in_range_is_refused_with_its_limit() {
     let robot = FakeRobot::accepting().await;

@@ -31,6 +31,7 @@ async fn impatient(robot: &FakeRobot) -> TestServer {
     TestServer::with_robot(section).await
 }
 
+/// Covers: W1.
 #[tokio::test]
 async fn a_refused_connection_proves_that_nothing_was_sent() {
     let (_socket, address) = refusing();
@@ -57,6 +58,7 @@ async fn a_refused_connection_proves_that_nothing_was_sent() {
     assert_eq!(state["link"]["last_failure"], "controller-disconnected");
 }
 
+/// Covers: W1.
 #[tokio::test]
 async fn a_connection_nobody_takes_is_given_up_after_its_time() {
     let robot = FakeRobot::accepting().await;
@@ -86,6 +88,7 @@ async fn a_controller_that_was_away_is_tried_once() {
     robot.assert_untouched();
 }
 
+/// Covers: W4, W5.
 #[tokio::test]
 async fn no_answer_or_half_of_one_leaves_the_motion_in_doubt() {
     let acts = [
@@ -116,6 +119,7 @@ async fn no_answer_or_half_of_one_leaves_the_motion_in_doubt() {
     }
 }
 
+/// Covers: W4.
 #[tokio::test]
 async fn an_answer_that_is_not_the_protocols_leaves_the_motion_in_doubt_and_is_shown() {
     let acts = [
@@ -148,6 +152,7 @@ async fn an_answer_that_is_not_the_protocols_leaves_the_motion_in_doubt_and_is_s
     }
 }
 
+/// Covers: W6.
 #[tokio::test]
 async fn a_refusal_of_the_controller_is_a_rejected_motion() {
     let robot = FakeRobot::start([Act::Reply("ERROR: POINT UNREACHABLE")]).await;

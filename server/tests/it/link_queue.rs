@@ -69,6 +69,7 @@ async fn a_full_queue_is_said_at_once_and_leaves_no_motion() {
     assert_eq!(robot.commands().len(), 2);
 }
 
+/// Covers: T5.
 #[tokio::test]
 async fn a_command_whose_deadline_passes_in_the_queue_is_not_sent() {
     let robot = FakeRobot::start([Act::Silence]).await;
@@ -91,6 +92,7 @@ async fn a_command_whose_deadline_passes_in_the_queue_is_not_sent() {
     assert_eq!(robot.commands().len(), 1);
 }
 
+/// Covers: H10.
 #[tokio::test]
 async fn a_caller_that_goes_away_does_not_take_its_command_with_it() {
     let (robot, server) = held(4).await;

@@ -88,6 +88,7 @@ async fn joint_values_the_controller_would_not_choose_are_refused() {
     assert_eq!(server.get(MOTIONS).await.json(), json!({"motions": []}));
 }
 
+/// Covers: H4.
 #[tokio::test]
 async fn a_joint_beyond_its_limit_is_named_with_value_and_limits() {
     let robot = FakeRobot::accepting().await;

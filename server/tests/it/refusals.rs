@@ -48,6 +48,7 @@ async fn valid_json_of_the_wrong_kind_is_not_called_invalid_json() {
     robot.assert_untouched();
 }
 
+/// Covers: H9.
 #[tokio::test]
 async fn an_empty_body_and_a_byte_order_mark_are_called_by_their_names() {
     let robot = FakeRobot::accepting().await;

@@ -236,6 +236,7 @@ fn run(seed: u64) -> Vec<(u64, Answer)> {
     told.clone()
 }
 
+/// Covers: W2, W5.
 #[test]
 fn what_an_answer_says_is_true_of_the_robot_whatever_the_network_does() {
     let mut seen: HashMap<String, usize> = HashMap::new();

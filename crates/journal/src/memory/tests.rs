@@ -88,6 +88,7 @@ fn refusal(error: AppendError) -> Refusal {
     panic!("not a refusal: {error:?}");
 }
 
+/// Covers: D3.
 #[tokio::test]
 async fn a_power_loss_takes_what_is_not_durable_and_nothing_else() {
     let disk = MemoryDisk::new();
@@ -120,6 +121,7 @@ async fn a_power_loss_takes_what_is_not_durable_and_nothing_else() {
     );
 }
 
+/// Covers: D2.
 #[tokio::test]
 async fn a_failed_write_poisons_the_journal_until_it_is_opened_again() {
     for (fault, effect) in [
@@ -141,6 +143,7 @@ async fn a_failed_write_poisons_the_journal_until_it_is_opened_again() {
     }
 }
 
+/// Covers: P2.
 #[tokio::test]
 async fn wherever_the_power_goes_every_answer_that_was_given_holds() {
     for fault in [Fault::PowerLossBefore, Fault::PowerLossAfter] {
@@ -166,6 +169,7 @@ async fn wherever_the_power_goes_every_answer_that_was_given_holds() {
     }
 }
 
+/// Covers: H6, H7.
 #[tokio::test]
 async fn a_key_gives_the_first_answer_again_and_only_when_there_is_one() {
     let disk = MemoryDisk::new();
