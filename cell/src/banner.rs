@@ -4,17 +4,46 @@ use std::io::Write as _;
 use std::net::SocketAddr;
 
 use anyhow::Result;
+use api::NewToken;
 
 use crate::config::{File, Loaded};
 use crate::virtual_controllers::Running;
+
+const DEMO: &str = "\
+  ############################################################################
+  #  DEMO MODE: nobody is asked for a token.                                 #
+  #  Every program on this machine may do everything. Not for a real robot.  #
+  ############################################################################";
+
+const ADMIN: &str = "\
+An admin manages tokens and moves nothing. Log in with it, and make yourself an operator:
+
+  cellctl login                                  # asks for the token above
+  cellctl tokens create alice --role operator    # shows the operator's token
+  cellctl login                                  # asks for that one";
 
 /// Prints the addresses and lines to paste.
 ///
 /// # Errors
 /// Standard output cannot be written.
-pub(crate) fn print(http: SocketAddr, file: &File, controllers: &[Running]) -> Result<()> {
+pub(crate) fn print(
+    http: SocketAddr,
+    file: &File,
+    controllers: &[Running],
+    first: Option<&NewToken>,
+) -> Result<()> {
     let mut out = std::io::stdout().lock();
     writeln!(out, "robocell is up. It is not a safety function.\n")?;
+    if file.server.demo {
+        writeln!(out, "{DEMO}\n")?;
+    }
+    if let Some(first) = first {
+        writeln!(
+            out,
+            "THE ADMIN TOKEN. It is shown this once; only its hash is kept:\n\n  {}\n\n{ADMIN}\n",
+            first.token.reveal()
+        )?;
+    }
     writeln!(
         out,
         "  HTTP API             http://{http}      documentation: http://{http}/docs"
@@ -31,23 +60,24 @@ pub(crate) fn print(http: SocketAddr, file: &File, controllers: &[Running]) -> R
         writeln!(out)?;
     }
     let cells = file.cells.iter();
-    let first = cells
-        .flat_map(|cell| cell.robots.iter().map(move |robot| (cell, robot)))
-        .next();
-    let Some((cell, robot)) = first else {
+    let first_robot = cells.flat_map(|cell| &cell.robots).next();
+    if first_robot.is_none() {
         return Ok(());
+    }
+    let token = if file.server.demo {
+        ""
+    } else {
+        "-H \"Authorization: Bearer $ROBOCELL_TOKEN\" "
     };
-    let (cell, robot) = (&cell.id, &robot.id);
     writeln!(out, "\nTry, in another terminal:\n")?;
     writeln!(
         out,
-        "  curl -s -X POST 'http://{http}/fanuc/move?velocity=300' -H 'Content-Type: application/json' \\\n       \
+        "  curl -s -X POST 'http://{http}/fanuc/move?velocity=300' {token}-H 'Content-Type: application/json' \\\n       \
          -d '{{\"x\":600,\"y\":200,\"z\":600,\"w\":-180,\"p\":30,\"r\":0}}'"
     )?;
     writeln!(
         out,
-        "\n  curl -s -X POST http://{http}/api/v1/cells/{cell}/robots/{robot}/motions -H 'Content-Type: application/json' \\\n       \
-         -d '{{\"type\":\"HOME\",\"speed_mm_s\":500}}'"
+        "\n  cargo run --release -p client --bin cellctl -- --server http://{http} home --speed 500"
     )?;
     if let Some(panel) = controllers
         .iter()

@@ -1,5 +1,6 @@
 //! `robocell`: the server and its virtual controllers in one process.
 
+mod access;
 mod banner;
 mod config;
 mod start;
@@ -12,8 +13,9 @@ use clap::Parser;
 
 /// A networked robot-cell server with virtual FANUC controllers.
 ///
-/// Without a configuration file it starts the demo cell: one virtual FANUC M-20iA that runs the KAREL socket server,
-/// and the HTTP API in front of it. Nothing real moves unless a configuration names a real controller.
+/// Without a configuration file it is the demo cell: one virtual FANUC M-20iA that runs the KAREL socket server,
+/// and the HTTP API in front of it; `robocell --demo` starts it. Nothing real moves unless a configuration names a
+/// real controller, and only callers with a token move anything: the first start makes one and shows it.
 /// This is not a safety function.
 #[derive(Debug, Parser)]
 #[command(name = "robocell", version)]
@@ -32,6 +34,12 @@ pub(crate) struct Cli {
         value_name = "FILTER"
     )]
     log: String,
+    /// Let everybody on this machine do everything, without tokens. For trying things out, never for a real robot.
+    #[arg(long, env = "ROBOCELL_DEMO")]
+    demo: bool,
+    /// Make a new admin token and show it once: for whoever has this machine but no token any more.
+    #[arg(long, conflicts_with_all = ["demo", "check"])]
+    new_admin_token: bool,
     /// Read and check the configuration, and start nothing.
     #[arg(long)]
     check: bool,

@@ -12,7 +12,7 @@ use tokio_util::sync::CancellationToken;
 
 use crate::config::{self, Loaded};
 use crate::virtual_controllers::{self, Prepared, Running};
-use crate::{Cli, banner};
+use crate::{Cli, access, banner};
 
 /// Runs until it is told to stop.
 ///
@@ -23,6 +23,7 @@ pub(crate) fn start(cli: &Cli) -> Result<()> {
     if let Some(listen) = &cli.listen {
         loaded.file.server.listen.clone_from(listen);
     }
+    loaded.file.server.demo |= cli.demo;
     let prepared = check(&loaded).with_context(|| format!("in {}", loaded.name))?;
     if cli.check {
         return banner::checked(&loaded);
@@ -37,7 +38,7 @@ pub(crate) fn start(cli: &Cli) -> Result<()> {
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .enable_all()
         .build()?;
-    runtime.block_on(run(loaded, prepared))
+    runtime.block_on(run(loaded, prepared, cli.new_admin_token))
 }
 
 /// Everything that can be checked before anything starts.
@@ -47,11 +48,16 @@ fn check(loaded: &Loaded) -> Result<Vec<Prepared>> {
     let mut cells = file.cells.clone();
     virtual_controllers::resolve(&mut cells, &virtual_controllers::placeholders(&prepared))?;
     let _plan = Plan::try_new(&file.server, &cells)?;
+    access::check(loaded)?;
     Ok(prepared)
 }
 
-async fn run(loaded: Loaded, prepared: Vec<Prepared>) -> Result<()> {
-    let Loaded { mut file, name, .. } = loaded;
+async fn run(loaded: Loaded, prepared: Vec<Prepared>, new_admin_token: bool) -> Result<()> {
+    let Loaded {
+        mut file,
+        folder,
+        name,
+    } = loaded;
     let stop = stop_on_signals()?;
     let labels = PeerLabels::new();
     let controllers = virtual_controllers::start_all(prepared, &labels).await?;
@@ -65,7 +71,16 @@ async fn run(loaded: Loaded, prepared: Vec<Prepared>) -> Result<()> {
     let listener = TcpListener::bind(listen)
         .await
         .with_context(|| format!("serving HTTP on {listen}; is another robocell running?"))?;
-    banner::print(listener.local_addr()?, &file, &controllers)?;
+    // Once nothing can fail any more that a second start would repair: the token is shown this once.
+    let access =
+        access::open(&file, &folder, new_admin_token).with_context(|| format!("in {name}"))?;
+    let plan = plan.with_identity(access.identity)?;
+    banner::print(
+        listener.local_addr()?,
+        &file,
+        &controllers,
+        access.first.as_ref(),
+    )?;
     let connector = TcpConnector::with_label(move |peer, request_id| labels.set(peer, request_id));
     server::run(
         listener,

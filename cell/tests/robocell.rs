@@ -32,7 +32,11 @@ impl Drop for ConfigFile {
 
 fn robocell(config: &ConfigFile) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_robocell"));
-    let _command = command.arg("--config").arg(&config.0);
+    let _command = command
+        .env_remove("ROBOCELL_DEMO")
+        .arg("--demo")
+        .arg("--config")
+        .arg(&config.0);
     command
 }
 

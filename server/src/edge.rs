@@ -13,11 +13,13 @@ use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse as _, Response};
 use tokio::time::{Instant, timeout};
-use tracing::Instrument as _;
+use tracing::{Instrument as _, field};
 
 use crate::guard;
+use crate::identity::{Asked, Principal};
 use crate::problem::{Problem, outcome_of_nothing_sent};
 use crate::request_id::{self, RequestId};
+use crate::serve::Peer;
 use crate::state::App;
 
 pub(crate) async fn edge(
@@ -33,12 +35,14 @@ pub(crate) async fn edge(
     let route = request.extensions().get::<MatchedPath>().cloned();
     // At the default level it does not exist: making it costs a tenth of a request's instructions, and every line
     // logged at that level names its request itself.
-    let span =
-        tracing::debug_span!("request", request_id = &*request_id, %method, path = uri.path());
+    let span = tracing::debug_span!("request", request_id = &*request_id, %method, path = uri.path(), principal = field::Empty);
 
     let limit = app.server.request_timeout;
-    let mut response = match guard::check(&method, request.headers(), &app.server.allowed_hosts) {
-        Ok(()) => {
+    let admitted = guard::check(&method, request.headers(), &app.server.allowed_hosts)
+        .and_then(|()| admit(&app, &mut request, route.as_ref(), &request_id));
+    let mut response = match admitted {
+        Ok(principal) => {
+            let _same = span.record("principal", principal.name());
             let handled = catch_panic(next.run(request), &request_id).instrument(span.clone());
             match timeout(limit, handled).await {
                 Ok(Some(response)) => response,
@@ -64,6 +68,27 @@ pub(crate) async fn edge(
     );
     span.in_scope(|| tracing::debug!(status = status.as_u16(), ?took, "answered"));
     response
+}
+
+/// Finds out who is asking and whether they may. The token goes no further than this.
+fn admit(
+    app: &App,
+    request: &mut Request,
+    route: Option<&MatchedPath>,
+    request_id: &str,
+) -> Result<Principal, Problem> {
+    let asked = Asked {
+        method: request.method(),
+        route: route.map(MatchedPath::as_str),
+        path: request.uri().path(),
+        headers: request.headers(),
+        peer: request.extensions().get::<Peer>().map(|peer| peer.0),
+        request_id,
+    };
+    let principal = app.identity.admit(&asked, &*app.clock)?;
+    let _token = request.headers_mut().remove(header::AUTHORIZATION);
+    let _none = request.extensions_mut().insert(principal.clone());
+    Ok(principal)
 }
 
 /// Adds what every answer has: its id, and that no other page may frame it or take it for something else.
@@ -165,7 +190,11 @@ mod tests {
             name: None,
             robots: vec![RobotSection::new("r1", "fanuc-m20ia", "127.0.0.1:1")],
         };
-        let plan = Plan::try_new(&ServerSection::default(), &[cell]).unwrap();
+        let section = ServerSection {
+            demo: true,
+            ..ServerSection::default()
+        };
+        let plan = Plan::try_new(&section, &[cell]).unwrap();
         let seams = Seams {
             connector: TcpConnector::default(),
             clock: Arc::new(SystemClock),
@@ -180,7 +209,7 @@ mod tests {
         let router = router
             .layer(middleware::from_fn_with_state(Arc::clone(&app), edge))
             .with_state(app);
-        let request = Request::post("/").body(Body::empty()).unwrap();
+        let request = Request::post("/fanuc/home").body(Body::empty()).unwrap();
         let response = router.oneshot(request).await.unwrap();
         let status = response.status();
         let body = to_bytes(response.into_body(), 10_000).await.unwrap();
@@ -189,7 +218,7 @@ mod tests {
 
     #[tokio::test]
     async fn a_panic_in_a_handler_is_a_problem_and_leaves_open_what_was_done() {
-        let router = Router::new().route("/", post(async || -> () { panic!("secret") }));
+        let router = Router::new().route("/fanuc/home", post(async || -> () { panic!("secret") }));
         let (status, problem) = problem_of(router).await;
         assert_eq!(status, StatusCode::INTERNAL_SERVER_ERROR);
         assert_eq!(problem.code, ProblemCode::Internal);
@@ -199,7 +228,10 @@ mod tests {
 
     #[tokio::test(start_paused = true)]
     async fn a_handler_that_is_stuck_is_cut_off() {
-        let router = Router::new().route("/", post(async || std::future::pending::<()>().await));
+        let router = Router::new().route(
+            "/fanuc/home",
+            post(async || std::future::pending::<()>().await),
+        );
         let (status, problem) = problem_of(router).await;
         assert_eq!(status, StatusCode::REQUEST_TIMEOUT);
         assert_eq!(problem.outcome, Outcome::Unknown);

@@ -29,7 +29,9 @@
 //!     name: None,
 //!     robots: vec![RobotSection::new("arm", "fanuc-m20ia", "127.0.0.1:59002")],
 //! };
-//! let plan = Plan::try_new(&ServerSection::default(), &[cell])?;
+//! // Everybody on this machine may do everything; a plant has `Plan::with_identity`.
+//! let section = ServerSection { demo: true, ..ServerSection::default() };
+//! let plan = Plan::try_new(&section, &[cell])?;
 //! let seams = Seams { connector: TcpConnector::default(), clock: Arc::new(SystemClock) };
 //! let listener = TcpListener::bind("127.0.0.1:0").await?;
 //! let stop = CancellationToken::new();
@@ -46,6 +48,7 @@ pub mod config;
 mod edge;
 mod extract;
 mod guard;
+pub mod identity;
 mod link;
 mod metrics;
 mod motion_store;

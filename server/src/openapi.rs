@@ -1,8 +1,15 @@
 //! The OpenAPI document, made from the routes.
 
+use axum::http::Method;
+use utoipa::openapi::path::{Operation, PathItem};
+use utoipa::openapi::security::{HttpAuthScheme, HttpBuilder, SecurityRequirement, SecurityScheme};
 use utoipa::openapi::{InfoBuilder, LicenseBuilder, OpenApi, tag::TagBuilder};
 
+use crate::identity::{self, Access};
 use crate::router;
+
+/// What the document calls the way in.
+const BEARER: &str = "bearer";
 
 const DESCRIPTION: &str = "\
 Drives robot arms through the socket server of their controllers.
@@ -14,7 +21,7 @@ at most once.
 
 This is not a safety function: emergency stop and guards are hard-wired in the controller.";
 
-const TAGS: [(&str, &str); 7] = [
+const TAGS: [(&str, &str); 8] = [
     ("motions", "Moving a robot, and what became of it."),
     ("robots", "What a robot is, and what is known of it now."),
     (
@@ -26,6 +33,7 @@ const TAGS: [(&str, &str); 7] = [
         "fanuc",
         "The source thesis's own routes and answers, for its clients: one robot, the configuration's `legacy_robot`.",
     ),
+    ("identity", "Who is asking, and the tokens."),
     ("problems", "The kinds of problems, by their stable codes."),
     ("health", "For whoever watches the server."),
 ];
@@ -68,5 +76,53 @@ pub(crate) fn complete(mut document: OpenApi) -> OpenApi {
         .build();
     let tag = |(name, text)| TagBuilder::new().name(name).description(Some(text)).build();
     document.tags = Some(TAGS.map(tag).into());
+    secure(&mut document);
     document
+}
+
+/// Says of each operation which role it needs, from the table that decides it.
+fn secure(document: &mut OpenApi) {
+    let scheme = HttpBuilder::new()
+        .scheme(HttpAuthScheme::Bearer)
+        .bearer_format("cell_<id>_<secret>")
+        .description(Some(
+            "A token of this server: `cellctl tokens create`. In demo mode none is needed.",
+        ))
+        .build();
+    document
+        .components
+        .get_or_insert_default()
+        .add_security_scheme(BEARER, SecurityScheme::Http(scheme));
+    for (path, item) in &mut document.paths.paths {
+        let methods: Vec<_> = identity::methods(item).collect();
+        for method in methods {
+            let Some(operation) = operation(item, &method) else {
+                continue;
+            };
+            let access = identity::least_role(method.as_str(), path);
+            let Some(access) = access.filter(|access| *access != Access::Open) else {
+                operation.security = Some(Vec::new());
+                continue;
+            };
+            let none: [&str; 0] = [];
+            operation.security = Some(vec![SecurityRequirement::new(BEARER, none)]);
+            let role = format!("Needs: {access}.");
+            operation.description = Some(match operation.description.take() {
+                Some(text) => format!("{text}\n\n{role}"),
+                None => role,
+            });
+        }
+    }
+}
+
+fn operation<'a>(item: &'a mut PathItem, method: &Method) -> Option<&'a mut Operation> {
+    let operation = match *method {
+        Method::GET => &mut item.get,
+        Method::PUT => &mut item.put,
+        Method::POST => &mut item.post,
+        Method::DELETE => &mut item.delete,
+        Method::PATCH => &mut item.patch,
+        _ => return None,
+    };
+    operation.as_mut()
 }

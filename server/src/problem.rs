@@ -3,6 +3,8 @@
 //! A handler returns a [`Problem`]; the outermost layer ([`crate::edge`]) adds the request's path and id and writes
 //! the body. So a problem is the same wherever in a request it arises, and no body is written twice.
 
+use std::time::Duration;
+
 use api::{Outcome, ProblemCode, Violation};
 use axum::http::{HeaderValue, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
@@ -39,6 +41,7 @@ impl Problem {
                 request_id: None,
                 violations: Vec::new(),
                 hint: None,
+                control: None,
             },
             retry_after: None,
         }))
@@ -101,6 +104,14 @@ impl Problem {
         this
     }
 
+    /// The same request may succeed after this time, rounded up to whole seconds.
+    pub(crate) fn retry_after(self, wait: Duration) -> Self {
+        let seconds = wait.as_secs() + u64::from(wait.subsec_nanos() > 0);
+        let mut this = self.retryable();
+        this.0.retry_after = Some(HeaderValue::from(seconds));
+        this
+    }
+
     /// The answer, complete.
     pub(crate) fn into_answer(self, path: &str, request_id: &str) -> Response {
         let Inner {
@@ -109,12 +120,17 @@ impl Problem {
         } = *self.0;
         body.instance = Some(path.to_owned());
         body.request_id = Some(request_id.to_owned());
+        let code = body.code;
         let status = StatusCode::from_u16(body.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
         // A problem is made of strings and numbers that JSON can say.
         let text = serde_json::to_vec(&body).unwrap_or_default();
         let mut response = (status, text).into_response();
         let headers = response.headers_mut();
         let _octets = headers.insert(header::CONTENT_TYPE, MEDIA_TYPE);
+        if code == ProblemCode::Unauthorized {
+            let _none =
+                headers.insert(header::WWW_AUTHENTICATE, HeaderValue::from_static("Bearer"));
+        }
         if let Some(seconds) = retry_after {
             let _none = headers.insert(header::RETRY_AFTER, seconds);
         }

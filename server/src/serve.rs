@@ -1,13 +1,19 @@
 //! The accept loop: connections, their limits, and the orderly end.
 
+use std::convert::Infallible;
+use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
 
 use axum::Router;
+use axum::response::Response;
 use axum::serve::Listener;
+use hyper::Request;
+use hyper::body::Incoming;
 use hyper::server::conn::http1;
+use hyper::service::Service;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::server::graceful::GracefulShutdown;
-use hyper_util::service::TowerToHyperService;
+use hyper_util::service::{TowerToHyperService, TowerToHyperServiceFuture};
 use thiserror::Error;
 use tokio::sync::Semaphore;
 use tokio::time::{Duration, MissedTickBehavior, interval, timeout};
@@ -34,6 +40,9 @@ pub enum ServeError {
     /// The recorder of the metrics could not be made.
     #[error("starting the metrics")]
     Metrics(#[source] metrics_exporter_prometheus::BuildError),
+    /// The plan says neither who callers are nor that it is a demo.
+    #[error("nobody would be asked who they are: the plan needs an identity, or demo mode")]
+    NoIdentity,
 }
 
 /// Serves until `stop` is cancelled, then ends: no new connections, each link stops between two commands, requests
@@ -41,7 +50,7 @@ pub enum ServeError {
 ///
 /// # Errors
 /// The server could not start.
-pub async fn run<L: Listener, C: Connector>(
+pub async fn run<L: Listener<Addr = SocketAddr>, C: Connector>(
     listener: L,
     plan: Plan,
     seams: Seams<C>,
@@ -71,7 +80,7 @@ pub fn start<C: Connector>(
 ) -> Result<Router, ServeError> {
     let (routes, document) = router::documented();
     let paths = document.paths.paths.keys().cloned();
-    let app = App::start(plan, seams, paths, tracker, stop).map_err(ServeError::Metrics)?;
+    let app = App::start(plan, seams, paths, tracker, stop)?;
     let app = Arc::new(app);
     drop(tracker.spawn(keep_up(Arc::clone(&app), stop.clone())));
     Ok(router::finish(routes, openapi::complete(document), app))
@@ -85,7 +94,7 @@ async fn keep_up(app: Arc<App>, stop: CancellationToken) {
     }
 }
 
-async fn serve<L: Listener>(
+async fn serve<L: Listener<Addr = SocketAddr>>(
     mut listener: L,
     router: Router,
     limits: &ServerPlan,
@@ -107,11 +116,14 @@ async fn serve<L: Listener>(
         .await
     {
         // Errors of accepting are logged and waited out by the listener.
-        let Some((stream, _peer)) = stop.run_until_cancelled(listener.accept()).await else {
+        let Some((stream, peer)) = stop.run_until_cancelled(listener.accept()).await else {
             break;
         };
         let stream = StallGuard::new(stream, limits.write_timeout);
-        let service = TowerToHyperService::new(router.clone());
+        let service = FromPeer {
+            router: TowerToHyperService::new(router.clone()),
+            peer: Peer(peer.ip()),
+        };
         let connection = http.serve_connection(TokioIo::new(stream), service);
         let connection = graceful.watch(connection);
         let cut_off = cut_off.clone();
@@ -133,4 +145,26 @@ async fn serve<L: Listener>(
     cut_off.cancel();
     let _closed = connections.close();
     connections.wait().await;
+}
+
+/// The machine at the other end of a request's connection.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Peer(pub(crate) IpAddr);
+
+/// The router, telling each request which machine it comes from.
+#[derive(Debug)]
+struct FromPeer {
+    router: TowerToHyperService<Router>,
+    peer: Peer,
+}
+
+impl Service<Request<Incoming>> for FromPeer {
+    type Response = Response;
+    type Error = Infallible;
+    type Future = TowerToHyperServiceFuture<Router, Request<Incoming>>;
+
+    fn call(&self, mut request: Request<Incoming>) -> Self::Future {
+        let _none = request.extensions_mut().insert(self.peer);
+        self.router.call(request)
+    }
 }

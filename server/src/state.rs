@@ -1,15 +1,16 @@
 use std::sync::Arc;
 
-use metrics_exporter_prometheus::BuildError;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
 use crate::clock::WallClock;
 use crate::config::{Plan, RobotPlan, ServerPlan};
+use crate::identity::{AuditSink, Identity, TracingAudit};
 use crate::link::{self, Connector, Link, Owner};
 use crate::metrics::{LinkMetrics, Metrics};
 use crate::motion_store::MotionStore;
 use crate::problem::Problem;
+use crate::serve::ServeError;
 
 /// What the handlers work on.
 #[derive(Debug)]
@@ -19,6 +20,8 @@ pub(crate) struct App {
     pub(crate) legacy: Arc<Robot>,
     pub(crate) metrics: Metrics,
     pub(crate) clock: Arc<dyn WallClock>,
+    pub(crate) identity: Identity,
+    pub(crate) audit: Arc<dyn AuditSink>,
 }
 
 #[derive(Debug)]
@@ -53,8 +56,9 @@ impl App {
         routes: impl Iterator<Item = String>,
         tracker: &TaskTracker,
         stop: &CancellationToken,
-    ) -> Result<Self, BuildError> {
-        let metrics = Metrics::new(routes)?;
+    ) -> Result<Self, ServeError> {
+        let metrics = Metrics::new(routes).map_err(ServeError::Metrics)?;
+        let identity = plan.identity.ok_or(ServeError::NoIdentity)?;
         let connector = Arc::new(seams.connector);
         let clock = seams.clock;
         let start_robot = |plan: RobotPlan| {
@@ -94,6 +98,8 @@ impl App {
             legacy,
             metrics,
             clock,
+            identity,
+            audit: Arc::new(TracingAudit),
         })
     }
 

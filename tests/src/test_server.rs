@@ -53,8 +53,11 @@ impl TestServer {
             name: None,
             robots: vec![robot],
         };
-        let plan = Plan::try_new(&ServerSection::default(), &[cell])
-            .context("checking the test's configuration")?;
+        let section = ServerSection {
+            demo: true,
+            ..ServerSection::default()
+        };
+        let plan = Plan::try_new(&section, &[cell]).context("checking the test's configuration")?;
         let listener = TcpListener::bind("127.0.0.1:0").await?;
         let address = listener.local_addr()?;
         let stop = CancellationToken::new();

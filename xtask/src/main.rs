@@ -50,15 +50,26 @@ enum Task {
 
 fn main() -> Result<()> {
     match Cli::parse().task {
-        Task::Run { args } => {
-            command::cargo(&["run", "--release", "--package", "cell", "--"], &args)
-        }
+        Task::Run { args } => run(&args),
         Task::Test { args } => ci::test(&args),
         Task::Ci => ci::all(),
         Task::Openapi => openapi::write(),
         Task::Failures => failures::write(),
         Task::Bench { which, args } => bench::run(which, &args),
     }
+}
+
+/// The demo cell is a demo; a configuration of one's own says itself who may call.
+fn run(args: &[String]) -> Result<()> {
+    let mut fixed = vec!["run", "--release", "--package", "cell", "--"];
+    let configured = std::env::var_os("ROBOCELL_CONFIG").is_some()
+        || args
+            .iter()
+            .any(|arg| arg == "--config" || arg.starts_with("--config="));
+    if !configured && !args.iter().any(|arg| arg == "--demo") {
+        fixed.push("--demo");
+    }
+    command::cargo(&fixed, args)
 }
 
 #[cfg(test)]

@@ -130,6 +130,7 @@ pub(crate) fn problem(code: ProblemCode, outcome: Outcome) -> Problem {
         request_id: Some("q1".to_owned()),
         violations: Vec::new(),
         hint: None,
+        control: None,
     }
 }
 

@@ -4,8 +4,10 @@
 //! arrived; whoever reads them converts to the checked types of `units` and `kinematics` before using them.
 //! Requests refuse unknown and duplicate keys; answers may grow, so clients ignore keys they do not know.
 
+mod authority;
 mod description;
 mod health;
+mod identity;
 mod kinematics;
 mod legacy;
 mod motion;
@@ -13,8 +15,16 @@ mod pose;
 mod problem;
 mod state;
 
+pub use authority::{
+    AcquireBody, ControlEnd, ControlHolder, ControlLease, ControlToken, ControlTokenError,
+    ControlView, EndedLease, LossBehavior, Station, TransferBody,
+};
 pub use description::{CellSummary, JointDescription, RobotDescription, RobotSummary, Tier};
 pub use health::{LinkReadiness, Liveness, Readiness};
+pub use identity::{
+    Me, NewToken, Role, RotateBody, TokenBody, TokenInfo, TokenList, TokenScope, TokenSecret,
+    TokenState,
+};
 pub use kinematics::{
     BranchBody, ForwardBody, ForwardResult, InverseBody, InverseResult, JointMargin,
     SingularityBody,

@@ -5,6 +5,8 @@ use utoipa::openapi::{ObjectBuilder, RefOr, Schema, schema::Type};
 use utoipa::{PartialSchema, ToSchema};
 use uuid::Uuid;
 
+use crate::ControlHolder;
+
 /// A problem in the form of RFC 9457, media type `application/problem+json`.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
 pub struct Problem {
@@ -44,6 +46,9 @@ pub struct Problem {
     /// What to try.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hint: Option<String>,
+    /// Who has control of the cell, where that is the problem.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub control: Option<Box<ControlHolder>>,
 }
 
 /// A kind of problem: what a problem's `type` leads to.
@@ -174,6 +179,26 @@ problem_codes! {
     CrossSiteRequest, "cross-site-request", 403, "The request comes from another site";
     /// The Host header names a host the server does not answer for.
     HostNotAllowed, "host-not-allowed", 421, "The host is not one of this server's";
+    /// No valid token.
+    Unauthorized, "unauthorized", 401, "A valid token is needed";
+    /// The token's role or scope does not allow it.
+    Forbidden, "forbidden", 403, "The caller may not do this";
+    /// Too many tokens that were not valid.
+    RateLimited, "rate-limited", 429, "Too many failed attempts";
+    /// Nobody moves a robot without control of its cell.
+    ControlRequired, "control-required", 428, "Control of the cell is needed";
+    /// Somebody else has control of the cell.
+    ControlHeld, "control-held", 423, "Somebody else has control of the cell";
+    /// The control that was used has ended.
+    ControlLost, "control-lost", 409, "Control of the cell was lost";
+    /// Without this token nobody could manage tokens any more.
+    LastAdmin, "last-admin", 409, "This is the last admin token";
+    /// Another valid token has this name.
+    NameTaken, "name-taken", 409, "The name is taken";
+    /// In demo mode there are no tokens.
+    DemoMode, "demo-mode", 409, "The server runs in demo mode";
+    /// What was asked could not be written down, so it was not done.
+    NotRecorded, "not-recorded", 503, "The change could not be recorded";
 }
 
 // By hand: the derived schema does not see a name that a macro gives, and would list the variants.

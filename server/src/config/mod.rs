@@ -5,6 +5,8 @@
 mod plan;
 mod robot;
 
+use std::path::PathBuf;
+
 use serde::Deserialize;
 
 pub(crate) use plan::MAX_DEADLINE_MS;
@@ -17,7 +19,9 @@ pub use robot::{CellPlan, RobotPlan};
 pub struct ServerSection {
     /// Where to listen, `address:port`. Port 0 takes any free port.
     pub listen: String,
-    /// Whether `listen` may be an address other machines reach. Nothing asks a caller who it is yet.
+    /// Whether everybody may do everything without a token. Only where `listen` is a loopback address.
+    pub demo: bool,
+    /// Whether `listen` may be an address other machines reach. The server speaks plain HTTP: end TLS in front of it.
     pub allow_remote: bool,
     /// Host names callers may use for this server, besides its addresses and `localhost`.
     pub allowed_hosts: Vec<String>,
@@ -43,6 +47,7 @@ impl Default for ServerSection {
     fn default() -> Self {
         Self {
             listen: "127.0.0.1:8080".to_owned(),
+            demo: false,
             allow_remote: false,
             allowed_hosts: Vec::new(),
             legacy_robot: None,
@@ -55,6 +60,14 @@ impl Default for ServerSection {
             max_connections: 256,
         }
     }
+}
+
+/// `[identity]`: who may call.
+#[derive(Clone, Debug, Deserialize, Eq, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct IdentitySection {
+    /// The file of tokens, relative to the configuration file. The first start makes it.
+    pub path: PathBuf,
 }
 
 /// `[[cells]]`: a cell and its robots.

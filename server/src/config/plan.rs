@@ -4,6 +4,8 @@ use std::time::Duration;
 
 use thiserror::Error;
 
+use crate::identity::Identity;
+
 use super::{CellPlan, CellSection, ServerSection};
 
 /// The longest deadline a command may have, in milliseconds: its own `deadline_ms` or the robot's.
@@ -16,6 +18,8 @@ pub struct Plan {
     pub(crate) cells: Vec<CellPlan>,
     /// Indices of the cell and of the robot the seed's own routes drive.
     pub(crate) legacy: (usize, usize),
+    /// Who callers are; a server does not start without.
+    pub(crate) identity: Option<Identity>,
 }
 
 /// The listener and its limits, checked.
@@ -56,7 +60,22 @@ impl Plan {
             server: ServerPlan::try_new(server)?,
             cells: checked,
             legacy,
+            identity: server.demo.then(Identity::demo),
         })
+    }
+
+    /// Gives the server the tokens its callers must have.
+    ///
+    /// # Errors
+    /// The plan is one of a demo: `server.demo` and tokens exclude one another.
+    pub fn with_identity(mut self, identity: Identity) -> Result<Self, ConfigError> {
+        if self.identity.as_ref().is_some_and(Identity::is_demo) && !identity.is_demo() {
+            let problem =
+                "is true, and there is an [identity] section; only one of the two can hold";
+            return Err(ConfigError::new("server.demo", problem.to_owned()));
+        }
+        self.identity = Some(identity);
+        Ok(self)
     }
 
     /// The listener and its limits.
@@ -77,11 +96,19 @@ impl ServerPlan {
                 ),
             )
         })?;
+        if !listen.ip().is_loopback() && section.demo {
+            return Err(ConfigError::new(
+                "server.listen",
+                format!(
+                    "other machines reach {listen}, and in demo mode everybody may do everything; a demo listens on a loopback address"
+                ),
+            ));
+        }
         if !listen.ip().is_loopback() && !section.allow_remote {
             return Err(ConfigError::new(
                 "server.listen",
                 format!(
-                    "other machines reach {listen}, and nothing asks them who they are; `allow_remote = true` permits it"
+                    "other machines reach {listen}, and tokens would pass in clear text; end TLS in front of the server, and permit it with `allow_remote = true`"
                 ),
             ));
         }

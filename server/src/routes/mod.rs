@@ -3,6 +3,7 @@
 
 mod cells;
 mod health;
+mod identity;
 mod kinematics;
 mod legacy;
 mod legacy_error;
@@ -36,6 +37,10 @@ pub(crate) fn documented() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(kinematics::inverse))
         .routes(routes!(motions::create_motion, motions::list_motions))
         .routes(routes!(motions::get_motion))
+        .routes(routes!(identity::me))
+        .routes(routes!(identity::list_tokens, identity::create_token))
+        .routes(routes!(identity::revoke_token))
+        .routes(routes!(identity::rotate_token))
         .routes(routes!(problems::list_problems))
         .routes(routes!(problems::get_problem))
         .routes(routes!(health::livez))

@@ -11,6 +11,24 @@ pub(crate) enum AnyProblem {
     /// `request-timeout`: the body did not arrive, or the request was not answered, in time.
     #[response(status = 408, content_type = "application/problem+json")]
     Timeout(Problem),
+    /// `unauthorized`: no token, or none that is valid.
+    #[response(
+        status = 401,
+        content_type = "application/problem+json",
+        headers(("www-authenticate" = String, description = "`Bearer`"))
+    )]
+    Unauthorized(Problem),
+    /// `forbidden`: the token's role or scope does not allow it. `cross-site-request`: a page of another site made a
+    /// browser send the request.
+    #[response(status = 403, content_type = "application/problem+json")]
+    Forbidden(Problem),
+    /// `rate-limited`: too many tokens from this address were not valid.
+    #[response(
+        status = 429,
+        content_type = "application/problem+json",
+        headers(("retry-after" = u32, description = "Seconds after which to try again."))
+    )]
+    RateLimited(Problem),
     /// `host-not-allowed`: the Host header names a host this server does not answer for.
     #[response(status = 421, content_type = "application/problem+json")]
     Host(Problem),
@@ -19,7 +37,8 @@ pub(crate) enum AnyProblem {
     Internal(Problem),
 }
 
-/// `cross-site-request`: a page of another site made a browser send the request.
+/// `forbidden`: the token's role or scope does not allow it. `cross-site-request`: a page of another site made a
+/// browser send the request.
 #[derive(IntoResponses)]
 #[response(status = 403, content_type = "application/problem+json")]
 pub(crate) struct CrossSite(Problem);

@@ -104,7 +104,11 @@ async fn serve() -> turmoil::Result {
         name: None,
         robots: vec![robot],
     };
-    let plan = Plan::try_new(&ServerSection::default(), &[cell])?;
+    let section = ServerSection {
+        demo: true,
+        ..ServerSection::default()
+    };
+    let plan = Plan::try_new(&section, &[cell])?;
     let seams = Seams {
         connector: SimulatedNetwork,
         clock: Arc::new(SimulatedClock),

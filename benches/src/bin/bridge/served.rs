@@ -32,6 +32,7 @@ pub(crate) async fn run(first_port: u16, robots: usize) -> Result<()> {
         robots: sections,
     };
     let server = ServerSection {
+        demo: true,
         legacy_robot: Some("bench/r0".to_owned()),
         ..ServerSection::default()
     };

@@ -44,6 +44,10 @@ impl TestServer {
             name: None,
             robots: vec![robot],
         };
+        let section = ServerSection {
+            demo: true,
+            ..section
+        };
         let plan = Plan::try_new(&section, &[cell]).unwrap();
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = listener.local_addr().unwrap();
