@@ -13,7 +13,9 @@ mod pose;
 mod problem;
 mod state;
 
-pub use description::{CellSummary, JointDescription, RobotDescription, RobotSummary, Tier};
+pub use description::{
+    Capabilities, CellSummary, JointDescription, RobotDescription, RobotSummary, StopEffect, Tier,
+};
 pub use health::{LinkReadiness, Liveness, Readiness};
 pub use kinematics::{
     BranchBody, ForwardBody, ForwardResult, InverseBody, InverseResult, JointMargin,
@@ -26,4 +28,4 @@ pub use legacy::{
 pub use motion::{Completion, Motion, MotionBody, MotionList, MotionState, MotionType, TargetBody};
 pub use pose::{JointsBody, PoseBody};
 pub use problem::{Outcome, Problem, ProblemCode, ProblemKind, Violation};
-pub use state::{LinkState, LinkStatus, PoseSource, RobotState};
+pub use state::{ControllerState, LinkState, LinkStatus, OperationalMode, PoseSource, RobotState};

@@ -1,5 +1,11 @@
 //! What holds for every line of version 2 and for any bytes at all.
 
+#![expect(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    reason = "helpers of tests: a failure here fails the test"
+)]
+
 use proptest::prelude::*;
 use protocol::v2::{
     Command, DecodeError, Elbow, ErrorCode, FinishStatus, Flip, Front, Greeting, LARGEST,
