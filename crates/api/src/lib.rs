@@ -19,7 +19,9 @@ pub use authority::{
     AcquireBody, ControlEnd, ControlHolder, ControlLease, ControlToken, ControlTokenError,
     ControlView, EndedLease, LossBehavior, Station, TransferBody,
 };
-pub use description::{CellSummary, JointDescription, RobotDescription, RobotSummary, Tier};
+pub use description::{
+    Capabilities, CellSummary, JointDescription, RobotDescription, RobotSummary, StopEffect, Tier,
+};
 pub use health::{LinkReadiness, Liveness, Readiness};
 pub use identity::{
     Me, NewToken, Role, RotateBody, TokenBody, TokenInfo, TokenList, TokenScope, TokenSecret,
@@ -36,4 +38,4 @@ pub use legacy::{
 pub use motion::{Completion, Motion, MotionBody, MotionList, MotionState, MotionType, TargetBody};
 pub use pose::{JointsBody, PoseBody};
 pub use problem::{Outcome, Problem, ProblemCode, ProblemKind, Violation};
-pub use state::{LinkState, LinkStatus, PoseSource, RobotState};
+pub use state::{ControllerState, LinkState, LinkStatus, OperationalMode, PoseSource, RobotState};
