@@ -108,6 +108,9 @@ pub struct ControllerConfig {
     pub panel: Option<SocketAddr>,
     /// I/O ports.
     pub ports: PortCounts,
+    /// Numbers of the registers in which TP programs find epoch and number of the command they carry out, for the
+    /// ledger.
+    pub command_registers: Option<(u16, u16)>,
     /// Bounds.
     pub limits: Limits,
 }
@@ -129,6 +132,7 @@ impl ControllerConfig {
             exposure: Exposure::default(),
             panel: None,
             ports: PortCounts::default(),
+            command_registers: None,
             limits: Limits::default(),
         }
     }

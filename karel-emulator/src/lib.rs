@@ -51,6 +51,7 @@
 //! It does not know loads, collisions, servo lag or brakes, and it is no safety function.
 
 pub mod alarms;
+pub mod cell_server;
 pub mod clock;
 pub mod config;
 pub mod controller;
@@ -72,8 +73,9 @@ pub use clock::{Clock, Stepper};
 pub use config::{ControllerConfig, Exposure, ProgramSource, SecondClient};
 pub use controller::{CmosMemory, Controller};
 pub use error::{ControllerStopped, StartError};
+pub use hardware::operator::OperatingMode;
 pub use labels::PeerLabels;
-pub use ledger::{LedgerEntry, LedgerEvent};
+pub use ledger::{CommandId, LedgerEntry, LedgerEvent};
 pub use ports::SetInputError;
 pub use state::State;
 pub use virtual_controller::VirtualController;

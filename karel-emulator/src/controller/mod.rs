@@ -339,6 +339,14 @@ impl Controller {
         }
         self.tasks.retain(|task| ids.contains(&task.id));
         self.hardware.forget_tasks(&ids);
+        for task in &mut self.tasks {
+            // Who was continued looks at once at what it waits for.
+            if matches!(task.phase, Phase::Waiting(Wait::Continue))
+                && !self.machine.is_paused(task.id)
+            {
+                task.phase = Phase::Ready;
+            }
+        }
         for id in ids {
             if self.tasks.iter().all(|task| task.id != id) {
                 self.tasks.push(Task {

@@ -90,6 +90,7 @@ fn wait_in_words(wait: &Wait) -> String {
         Wait::Connect(tag) => format!("waits for a client on {tag}:"),
         Wait::MotionQueue => "waits for a place in the motion queue".to_owned(),
         Wait::Motion(motion) => format!("waits for the end of motion {}", motion.0),
+        Wait::Continue => "is paused".to_owned(),
         Wait::Until(time) => format!("waits until {:.3} s", seconds(*time)),
     }
 }
