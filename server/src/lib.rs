@@ -28,6 +28,8 @@
 //!     id: "cell-1".to_owned(),
 //!     name: None,
 //!     robots: vec![RobotSection::new("arm", "fanuc-m20ia", "127.0.0.1:59002")],
+//!     setup: None,
+//!     push_urls: Default::default(),
 //! };
 //! let plan = Plan::try_new(&ServerSection::default(), &[cell])?;
 //! let seams = Seams { connector: TcpConnector::default(), clock: Arc::new(SystemClock) };
@@ -55,6 +57,7 @@ mod request_id;
 mod router;
 mod routes;
 mod serve;
+mod setup;
 mod stall;
 mod state;
 mod target;
@@ -65,4 +68,5 @@ pub use config::{ConfigError, Plan};
 pub use link::{AddressError, Connector, ControllerAddress, TcpConnection, TcpConnector};
 pub use openapi::{OpenApiError, openapi, openapi_yaml};
 pub use serve::{ServeError, run, start};
+pub use setup::{SetupErrors, StoreError};
 pub use state::Seams;

@@ -14,7 +14,7 @@ at most once.
 
 This is not a safety function: emergency stop and guards are hard-wired in the controller.";
 
-const TAGS: [(&str, &str); 7] = [
+const TAGS: [(&str, &str); 8] = [
     ("motions", "Moving a robot, and what became of it."),
     ("robots", "What a robot is, and what is known of it now."),
     (
@@ -22,6 +22,10 @@ const TAGS: [(&str, &str); 7] = [
         "Between poses and joint values; nothing is sent.",
     ),
     ("cells", "The cells and their robots."),
+    (
+        "setup",
+        "The operator's set-up of a cell: whole, part by part, checked, taught. Changes name the entity tag they are based on.",
+    ),
     (
         "fanuc",
         "The source thesis's own routes and answers, for its clients: one robot, the configuration's `legacy_robot`.",

@@ -18,6 +18,7 @@ use crate::config::{Plan, ServerPlan};
 use crate::link::Connector;
 use crate::openapi;
 use crate::router;
+use crate::setup::StoreError;
 use crate::stall::StallGuard;
 use crate::state::{App, Seams};
 
@@ -34,6 +35,9 @@ pub enum ServeError {
     /// The recorder of the metrics could not be made.
     #[error("starting the metrics")]
     Metrics(#[source] metrics_exporter_prometheus::BuildError),
+    /// The set-up of a cell cannot be read, or does not fit.
+    #[error(transparent)]
+    Setup(StoreError),
 }
 
 /// Serves until `stop` is cancelled, then ends: no new connections, each link stops between two commands, requests
@@ -62,7 +66,7 @@ pub async fn run<L: Listener, C: Connector>(
 /// The links run on `tracker` and end once `stop` is cancelled.
 ///
 /// # Errors
-/// The metrics could not be started.
+/// The metrics could not be started, or a cell's set-up does not fit.
 pub fn start<C: Connector>(
     plan: Plan,
     seams: Seams<C>,
@@ -71,7 +75,7 @@ pub fn start<C: Connector>(
 ) -> Result<Router, ServeError> {
     let (routes, document) = router::documented();
     let paths = document.paths.paths.keys().cloned();
-    let app = App::start(plan, seams, paths, tracker, stop).map_err(ServeError::Metrics)?;
+    let app = App::start(plan, seams, paths, tracker, stop)?;
     let app = Arc::new(app);
     drop(tracker.spawn(keep_up(Arc::clone(&app), stop.clone())));
     Ok(router::finish(routes, openapi::complete(document), app))

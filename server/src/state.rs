@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use metrics_exporter_prometheus::BuildError;
+use kinematics::PendantJoints;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
@@ -10,6 +10,8 @@ use crate::link::{self, Connector, Link, Owner};
 use crate::metrics::{LinkMetrics, Metrics};
 use crate::motion_store::MotionStore;
 use crate::problem::Problem;
+use crate::serve::ServeError;
+use crate::setup::SetupBook;
 
 /// What the handlers work on.
 #[derive(Debug)]
@@ -26,6 +28,7 @@ pub(crate) struct Cell {
     pub(crate) id: String,
     pub(crate) name: String,
     pub(crate) robots: Vec<Arc<Robot>>,
+    pub(crate) setup: Arc<SetupBook>,
 }
 
 #[derive(Debug)]
@@ -34,6 +37,22 @@ pub(crate) struct Robot {
     pub(crate) link: Link,
     pub(crate) motions: Arc<MotionStore>,
     pub(crate) metrics: LinkMetrics,
+}
+
+impl Robot {
+    /// Where the arm is, as its controller reports it.
+    ///
+    /// # Errors
+    /// Why that is not known, in a sentence.
+    pub(crate) fn actual_joints(&self) -> Result<PendantJoints, String> {
+        match self.plan.tier {
+            api::Tier::Seed => Err(format!(
+                "the controller of `{}` (tier seed) reports no position; the target it last accepted is not where the \
+                 arm is",
+                self.plan.id
+            )),
+        }
+    }
 }
 
 /// What the server is given from outside, so that a test can give something else.
@@ -53,8 +72,8 @@ impl App {
         routes: impl Iterator<Item = String>,
         tracker: &TaskTracker,
         stop: &CancellationToken,
-    ) -> Result<Self, BuildError> {
-        let metrics = Metrics::new(routes)?;
+    ) -> Result<Self, ServeError> {
+        let metrics = Metrics::new(routes).map_err(ServeError::Metrics)?;
         let connector = Arc::new(seams.connector);
         let clock = seams.clock;
         let start_robot = |plan: RobotPlan| {
@@ -77,12 +96,18 @@ impl App {
         let cells: Vec<_> = plan
             .cells
             .into_iter()
-            .map(|cell| Cell {
-                id: cell.id,
-                name: cell.name,
-                robots: cell.robots.into_iter().map(start_robot).collect(),
+            .map(|cell| {
+                let robots: Vec<_> = cell.robots.into_iter().map(start_robot).collect();
+                let plans = robots.iter().map(|robot| Arc::clone(&robot.plan)).collect();
+                let setup = SetupBook::open(cell.setup.as_ref(), plans);
+                Ok(Cell {
+                    setup: Arc::new(setup.map_err(ServeError::Setup)?),
+                    id: cell.id,
+                    name: cell.name,
+                    robots,
+                })
             })
-            .collect();
+            .collect::<Result<_, ServeError>>()?;
         let (cell, robot) = plan.legacy;
         let legacy = cells.get(cell).and_then(|cell| cell.robots.get(robot));
         let Some(legacy) = legacy.map(Arc::clone) else {

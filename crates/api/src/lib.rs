@@ -11,6 +11,7 @@ mod legacy;
 mod motion;
 mod pose;
 mod problem;
+pub mod setup;
 mod state;
 
 pub use description::{CellSummary, JointDescription, RobotDescription, RobotSummary, Tier};

@@ -11,6 +11,7 @@ mod params;
 mod problems;
 mod responses;
 mod robots;
+mod setup;
 
 use std::sync::Arc;
 
@@ -36,6 +37,7 @@ pub(crate) fn documented() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(kinematics::inverse))
         .routes(routes!(motions::create_motion, motions::list_motions))
         .routes(routes!(motions::get_motion))
+        .merge(setup::documented())
         .routes(routes!(problems::list_problems))
         .routes(routes!(problems::get_problem))
         .routes(routes!(health::livez))
