@@ -5,10 +5,12 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 use serde::Deserialize;
-use server::config::{CellSection, IdentitySection, ServerSection};
+use server::config::{CellSection, IdentitySection, ServerSection, SetupSource};
 
 /// What runs when no file is named.
 const DEMO: &str = include_str!("../demo.toml");
+/// The set-up that the demo begins with. It is kept in memory: each start is a fresh one.
+const DEMO_SETUP: &str = include_str!("../demo.setup.toml");
 
 /// The file as it is written.
 #[derive(Clone, Debug, Deserialize)]
@@ -83,7 +85,11 @@ pub(crate) struct Loaded {
 /// The file cannot be read, is not TOML, or has a key that does not fit; the message names the file, line and key.
 pub(crate) fn load(path: Option<&Path>) -> Result<Loaded> {
     let Some(path) = path else {
-        let file = toml::from_str(DEMO).context("reading the built-in demo configuration")?;
+        let mut file: File =
+            toml::from_str(DEMO).context("reading the built-in demo configuration")?;
+        for cell in &mut file.cells {
+            cell.setup = Some(SetupSource::Memory(DEMO_SETUP.to_owned()));
+        }
         return Ok(Loaded {
             file,
             folder: PathBuf::new(),
@@ -92,8 +98,13 @@ pub(crate) fn load(path: Option<&Path>) -> Result<Loaded> {
     };
     let name = path.display().to_string();
     let text = std::fs::read_to_string(path).with_context(|| format!("reading {name}"))?;
-    let file = toml::from_str(&text).with_context(|| format!("in {name}"))?;
+    let mut file: File = toml::from_str(&text).with_context(|| format!("in {name}"))?;
     let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
+    for cell in &mut file.cells {
+        if let Some(SetupSource::File(setup)) = &mut cell.setup {
+            *setup = folder.join(&*setup);
+        }
+    }
     Ok(Loaded { file, folder, name })
 }
 

@@ -47,8 +47,8 @@ fn check(loaded: &Loaded) -> Result<Vec<Prepared>> {
     let prepared = virtual_controllers::prepare_all(&file.virtual_controllers, &loaded.folder)?;
     let mut cells = file.cells.clone();
     virtual_controllers::resolve(&mut cells, &virtual_controllers::placeholders(&prepared))?;
-    let _plan = Plan::try_new(&file.server, &cells)?;
     access::check(loaded)?;
+    Plan::try_new(&file.server, &cells)?.check_setups()?;
     Ok(prepared)
 }
 

@@ -188,6 +188,8 @@ mod tests {
         let cell = CellSection {
             id: "c1".to_owned(),
             name: None,
+            setup: None,
+            push_urls: std::collections::BTreeMap::new(),
             robots: vec![RobotSection::new("r1", "fanuc-m20ia", "127.0.0.1:1")],
         };
         let section = ServerSection {

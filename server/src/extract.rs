@@ -40,8 +40,11 @@ impl<T: DeserializeOwned> FromRequest<Arc<App>> for JsonBody<T> {
 /// Why a body was not taken.
 #[derive(Debug, Error)]
 pub(crate) enum BodyError {
-    #[error("the content type is {found}; it must be application/json")]
-    ContentType { found: String },
+    #[error("the content type is {found}; it must be {}", legal.join(" or "))]
+    ContentType {
+        found: String,
+        legal: &'static [&'static str],
+    },
     #[error("the body is larger than {limit} bytes")]
     TooLarge { limit: usize },
     #[error("the body did not arrive within {limit_ms} ms")]
@@ -94,14 +97,23 @@ pub(crate) async fn read_json<T: DeserializeOwned>(
     limits: &ServerPlan,
 ) -> Result<T, BodyError> {
     check_content_type(request.headers())?;
-    let body = read_body(request, limits).await?;
+    let body = read_body(request, limits, limits.max_body_bytes).await?;
     parse_json(&body)
 }
 
 fn check_content_type(headers: &HeaderMap) -> Result<(), BodyError> {
+    media_type(headers, &["application/json"]).map(|_| ())
+}
+
+/// The content type of a body, one of `legal`.
+pub(crate) fn media_type(
+    headers: &HeaderMap,
+    legal: &'static [&'static str],
+) -> Result<&'static str, BodyError> {
     let Some(value) = headers.get(header::CONTENT_TYPE) else {
         return Err(BodyError::ContentType {
             found: "absent".to_owned(),
+            legal,
         });
     };
     let essence = value
@@ -109,19 +121,20 @@ fn check_content_type(headers: &HeaderMap) -> Result<(), BodyError> {
         .ok()
         .and_then(|text| text.split(';').next())
         .map(str::trim);
-    match essence {
-        Some(essence) if essence.eq_ignore_ascii_case("application/json") => {}
-        _ => {
-            return Err(BodyError::ContentType {
-                found: quoted(value),
-            });
-        }
-    }
+    let found = legal
+        .iter()
+        .find(|legal| essence.is_some_and(|essence| essence.eq_ignore_ascii_case(legal)));
+    let Some(found) = found else {
+        return Err(BodyError::ContentType {
+            found: quoted(value),
+            legal,
+        });
+    };
     match headers.get(header::CONTENT_ENCODING) {
         Some(value) if value != "identity" => Err(BodyError::ContentEncoding {
             found: quoted(value),
         }),
-        Some(_) | None => Ok(()),
+        Some(_) | None => Ok(found),
     }
 }
 
@@ -129,8 +142,12 @@ fn quoted(value: &HeaderValue) -> String {
     format!("`{}`", shown(&String::from_utf8_lossy(value.as_bytes())))
 }
 
-async fn read_body(request: Request, limits: &ServerPlan) -> Result<Bytes, BodyError> {
-    let limit = limits.max_body_bytes;
+/// Reads a whole body of at most `limit` bytes.
+pub(crate) async fn read_body(
+    request: Request,
+    limits: &ServerPlan,
+    limit: usize,
+) -> Result<Bytes, BodyError> {
     let announced = request
         .headers()
         .get(header::CONTENT_LENGTH)
@@ -223,7 +240,7 @@ fn syntax(body: &[u8], error: &serde_json::Error) -> BodyError {
 
 /// The path of the field an error is about. serde's path ends at the object a field is missing from, or twice in;
 /// the message has its name. The path of the whole value is a dot.
-fn item_of(path: &str, message: &str) -> String {
+pub(crate) fn item_of(path: &str, message: &str) -> String {
     let named = ["missing field `", "duplicate field `"]
         .iter()
         .find_map(|begin| message.strip_prefix(begin))
@@ -241,7 +258,7 @@ fn item_of(path: &str, message: &str) -> String {
 
 /// The error's text without the position `serde_json` puts behind it, in JSON's words instead of Rust's, and no
 /// longer than a person reads.
-fn message_of(error: &serde_json::Error) -> String {
+pub(crate) fn message_of(error: &serde_json::Error) -> String {
     const WORDS: [(&str, &str); 6] = [
         (": sequence, ", ": array, "),
         (": map, ", ": object, "),

@@ -28,6 +28,8 @@
 //!     id: "cell-1".to_owned(),
 //!     name: None,
 //!     robots: vec![RobotSection::new("arm", "fanuc-m20ia", "127.0.0.1:59002")],
+//!     setup: None,
+//!     push_urls: Default::default(),
 //! };
 //! // Everybody on this machine may do everything; a plant has `Plan::with_identity`.
 //! let section = ServerSection { demo: true, ..ServerSection::default() };
@@ -58,6 +60,7 @@ mod request_id;
 mod router;
 mod routes;
 mod serve;
+mod setup;
 mod stall;
 mod state;
 mod target;
@@ -68,4 +71,5 @@ pub use config::{ConfigError, Plan};
 pub use link::{AddressError, Connector, ControllerAddress, TcpConnection, TcpConnector};
 pub use openapi::{OpenApiError, openapi, openapi_yaml};
 pub use serve::{ServeError, run, start};
+pub use setup::{SetupErrors, StoreError};
 pub use state::Seams;

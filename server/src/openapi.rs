@@ -30,6 +30,10 @@ const TAGS: [(&str, &str); 8] = [
     ),
     ("cells", "The cells and their robots."),
     (
+        "setup",
+        "The operator's set-up of a cell: whole, part by part, checked, taught. Changes name the entity tag they are based on.",
+    ),
+    (
         "fanuc",
         "The source thesis's own routes and answers, for its clients: one robot, the configuration's `legacy_robot`.",
     ),

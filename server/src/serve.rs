@@ -24,6 +24,7 @@ use crate::config::{Plan, ServerPlan};
 use crate::link::Connector;
 use crate::openapi;
 use crate::router;
+use crate::setup::StoreError;
 use crate::stall::StallGuard;
 use crate::state::{App, Seams};
 
@@ -43,6 +44,9 @@ pub enum ServeError {
     /// The plan says neither who callers are nor that it is a demo.
     #[error("nobody would be asked who they are: the plan needs an identity, or demo mode")]
     NoIdentity,
+    /// The set-up of a cell cannot be read, or does not fit.
+    #[error(transparent)]
+    Setup(StoreError),
 }
 
 /// Serves until `stop` is cancelled, then ends: no new connections, each link stops between two commands, requests
@@ -71,7 +75,7 @@ pub async fn run<L: Listener<Addr = SocketAddr>, C: Connector>(
 /// The links run on `tracker` and end once `stop` is cancelled.
 ///
 /// # Errors
-/// The metrics could not be started.
+/// The metrics could not be started, or a cell's set-up does not fit.
 pub fn start<C: Connector>(
     plan: Plan,
     seams: Seams<C>,

@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use kinematics::PendantJoints;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
@@ -11,6 +12,7 @@ use crate::metrics::{LinkMetrics, Metrics};
 use crate::motion_store::MotionStore;
 use crate::problem::Problem;
 use crate::serve::ServeError;
+use crate::setup::SetupBook;
 
 /// What the handlers work on.
 #[derive(Debug)]
@@ -29,6 +31,7 @@ pub(crate) struct Cell {
     pub(crate) id: String,
     pub(crate) name: String,
     pub(crate) robots: Vec<Arc<Robot>>,
+    pub(crate) setup: Arc<SetupBook>,
 }
 
 #[derive(Debug)]
@@ -37,6 +40,22 @@ pub(crate) struct Robot {
     pub(crate) link: Link,
     pub(crate) motions: Arc<MotionStore>,
     pub(crate) metrics: LinkMetrics,
+}
+
+impl Robot {
+    /// Where the arm is, as its controller reports it.
+    ///
+    /// # Errors
+    /// Why that is not known, in a sentence.
+    pub(crate) fn actual_joints(&self) -> Result<PendantJoints, String> {
+        match self.plan.tier {
+            api::Tier::Seed => Err(format!(
+                "the controller of `{}` (tier seed) reports no position; the target it last accepted is not where the \
+                 arm is",
+                self.plan.id
+            )),
+        }
+    }
 }
 
 /// What the server is given from outside, so that a test can give something else.
@@ -81,12 +100,18 @@ impl App {
         let cells: Vec<_> = plan
             .cells
             .into_iter()
-            .map(|cell| Cell {
-                id: cell.id,
-                name: cell.name,
-                robots: cell.robots.into_iter().map(start_robot).collect(),
+            .map(|cell| {
+                let robots: Vec<_> = cell.robots.into_iter().map(start_robot).collect();
+                let plans = robots.iter().map(|robot| Arc::clone(&robot.plan)).collect();
+                let setup = SetupBook::open(cell.setup.as_ref(), plans);
+                Ok(Cell {
+                    setup: Arc::new(setup.map_err(ServeError::Setup)?),
+                    id: cell.id,
+                    name: cell.name,
+                    robots,
+                })
             })
-            .collect();
+            .collect::<Result<_, ServeError>>()?;
         let (cell, robot) = plan.legacy;
         let legacy = cells.get(cell).and_then(|cell| cell.robots.get(robot));
         let Some(legacy) = legacy.map(Arc::clone) else {

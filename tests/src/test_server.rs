@@ -51,6 +51,8 @@ impl TestServer {
         let cell = CellSection {
             id: CELL.to_owned(),
             name: None,
+            setup: None,
+            push_urls: std::collections::BTreeMap::new(),
             robots: vec![robot],
         };
         let section = ServerSection {

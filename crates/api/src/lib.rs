@@ -13,6 +13,7 @@ mod legacy;
 mod motion;
 mod pose;
 mod problem;
+pub mod setup;
 mod state;
 
 pub use authority::{

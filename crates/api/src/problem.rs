@@ -215,6 +215,22 @@ problem_codes! {
     PoseMismatch, "pose-mismatch", 409, "The arm does not stand where it should";
     /// The controller accepted a later command than the one asked about.
     MotionOvertaken, "motion-overtaken", 409, "Another command came after the motion";
+    /// A change does not say which revision it is based on.
+    PreconditionRequired, "precondition-required", 428, "If-Match is required";
+    /// Somebody else has changed it meanwhile.
+    PreconditionFailed, "precondition-failed", 412, "It was changed meanwhile";
+    /// The body is not TOML.
+    InvalidToml, "invalid-toml", 400, "The body is not valid TOML";
+    /// Other parts of the set-up refer to what is to be deleted.
+    StillReferenced, "still-referenced", 409, "Other parts refer to it";
+    /// Running work uses what is to be changed.
+    ResourceInUse, "resource-in-use", 409, "Running work uses it";
+    /// The set-up could not be written where it is kept: nothing was changed.
+    SetupNotKept, "setup-not-kept", 503, "The set-up could not be kept";
+    /// The controller reports no pose that could be taught.
+    NoActualPose, "no-actual-pose", 409, "The arm's actual pose is not known";
+    /// The postures do not determine the tool, or do not agree.
+    CalibrationRefused, "calibration-refused", 422, "The postures do not give a tool";
 }
 
 // By hand: the derived schema does not see a name that a macro gives, and would list the variants.

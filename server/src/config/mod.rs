@@ -5,6 +5,7 @@
 mod plan;
 mod robot;
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::Deserialize;
@@ -82,6 +83,29 @@ pub struct CellSection {
     /// The robots in it.
     #[serde(default)]
     pub robots: Vec<RobotSection>,
+    /// Where the operator's set-up is kept; nothing is set up, and changes are lost at the end, where absent.
+    #[serde(default)]
+    pub setup: Option<SetupSource>,
+    /// Where messages to mobile robots are pushed, `http://host:port/path` by the robot's id. Only here: a URL that
+    /// arrived over the API would make the server call whatever its sender likes.
+    #[serde(default)]
+    pub push_urls: BTreeMap<String, String>,
+}
+
+/// Where a cell's set-up is kept.
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[serde(from = "PathBuf")]
+pub enum SetupSource {
+    /// In a TOML file, which the server rewrites at each change.
+    File(PathBuf),
+    /// In memory; the TOML text is what it begins with.
+    Memory(String),
+}
+
+impl From<PathBuf> for SetupSource {
+    fn from(path: PathBuf) -> Self {
+        Self::File(path)
+    }
 }
 
 /// `[[cells.robots]]`: a robot and the way to its controller.

@@ -1,5 +1,6 @@
 use std::collections::HashSet;
 use std::net::SocketAddr;
+use std::sync::Arc;
 use std::time::Duration;
 
 use thiserror::Error;
@@ -7,6 +8,7 @@ use thiserror::Error;
 use crate::identity::Identity;
 
 use super::{CellPlan, CellSection, ServerSection};
+use crate::setup::{SetupBook, StoreError};
 
 /// The longest deadline a command may have, in milliseconds: its own `deadline_ms` or the robot's.
 pub(crate) const MAX_DEADLINE_MS: u64 = 60_000;
@@ -76,6 +78,18 @@ impl Plan {
         }
         self.identity = Some(identity);
         Ok(self)
+    }
+
+    /// Reads the set-up of every cell and checks it, and keeps nothing of it: for a check before the start.
+    ///
+    /// # Errors
+    /// The first set-up that cannot be read or does not fit its cell; with everything wrong with it.
+    pub fn check_setups(&self) -> Result<(), StoreError> {
+        for cell in &self.cells {
+            let robots = cell.robots.iter().cloned().map(Arc::new).collect();
+            let _book = SetupBook::open(cell.setup.as_ref(), robots)?;
+        }
+        Ok(())
     }
 
     /// The listener and its limits.

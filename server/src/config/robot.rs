@@ -1,11 +1,12 @@
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 use std::time::Duration;
 
+use axum::http::Uri;
 use kinematics::{ArmModel, Configuration, Frames, Pose, Xyzwpr};
 use units::{Degrees, Millimeters};
 
 use super::plan::{MAX_DEADLINE_MS, count, id, in_range};
-use super::{CellSection, ConfigError, FrameSection, RobotSection};
+use super::{CellSection, ConfigError, FrameSection, RobotSection, SetupSource};
 use crate::link::ControllerAddress;
 
 /// A checked cell.
@@ -14,6 +15,9 @@ pub struct CellPlan {
     pub(crate) id: String,
     pub(crate) name: String,
     pub(crate) robots: Vec<RobotPlan>,
+    pub(crate) setup: Option<SetupSource>,
+    /// By the mobile robot's id.
+    pub(crate) push_urls: BTreeMap<String, Uri>,
 }
 
 /// A checked robot.
@@ -72,6 +76,8 @@ impl CellPlan {
         }
         Ok(Self {
             name: section.name.clone().unwrap_or_else(|| cell.clone()),
+            push_urls: push_urls(key, &section.push_urls)?,
+            setup: section.setup.clone(),
             id: cell,
             robots,
         })
@@ -169,6 +175,25 @@ impl RobotPlan {
             deadline: millis("deadline_ms", section.deadline_ms, MAX_DEADLINE_MS)?,
         })
     }
+}
+
+fn push_urls(
+    key: &str,
+    urls: &BTreeMap<String, String>,
+) -> Result<BTreeMap<String, Uri>, ConfigError> {
+    let checked = urls.iter().map(|(robot, url)| {
+        let key = format!("{key}.push_urls.{robot}");
+        let robot = id(&key, robot)?;
+        let parsed = url.parse::<Uri>().ok().filter(|parsed| {
+            parsed.scheme_str() == Some("http")
+                && parsed.host().is_some_and(|host| !host.is_empty())
+        });
+        let parsed = parsed.ok_or_else(|| {
+            ConfigError::new(key, format!("`{url}` is not `http://host:port/path`"))
+        })?;
+        Ok((robot, parsed))
+    });
+    checked.collect()
 }
 
 fn unknown_model(key: String, model: &str) -> ConfigError {

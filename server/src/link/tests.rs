@@ -84,6 +84,8 @@ fn link(pipes: &Pipes) -> (Link, Arc<RobotPlan>, Arc<MotionStore>) {
     let cell = CellSection {
         id: "c1".to_owned(),
         name: None,
+        setup: None,
+        push_urls: std::collections::BTreeMap::new(),
         robots: vec![robot],
     };
     let plan = Plan::try_new(&ServerSection::default(), &[cell]).unwrap();

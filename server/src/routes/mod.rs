@@ -12,6 +12,7 @@ mod params;
 mod problems;
 mod responses;
 mod robots;
+mod setup;
 
 use std::sync::Arc;
 
@@ -41,6 +42,7 @@ pub(crate) fn documented() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(identity::list_tokens, identity::create_token))
         .routes(routes!(identity::revoke_token))
         .routes(routes!(identity::rotate_token))
+        .merge(setup::documented())
         .routes(routes!(problems::list_problems))
         .routes(routes!(problems::get_problem))
         .routes(routes!(health::livez))

@@ -102,6 +102,8 @@ async fn serve() -> turmoil::Result {
     let cell = CellSection {
         id: "c1".to_owned(),
         name: None,
+        setup: None,
+        push_urls: std::collections::BTreeMap::new(),
         robots: vec![robot],
     };
     let section = ServerSection {

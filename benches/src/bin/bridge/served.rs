@@ -29,6 +29,8 @@ pub(crate) async fn run(first_port: u16, robots: usize) -> Result<()> {
     let cell = CellSection {
         id: "bench".to_owned(),
         name: None,
+        setup: None,
+        push_urls: std::collections::BTreeMap::new(),
         robots: sections,
     };
     let server = ServerSection {

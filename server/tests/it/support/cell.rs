@@ -42,6 +42,8 @@ impl TestServer {
         let cell = CellSection {
             id: "c1".to_owned(),
             name: None,
+            setup: None,
+            push_urls: std::collections::BTreeMap::new(),
             robots: vec![robot],
         };
         let section = ServerSection {

@@ -1,0 +1,517 @@
+//! Plans every taught pose of a set-up, and measures every route.
+//!
+//! For each taught pose: the way from the safe pose to the approach, the straight line to the pose, the straight lift,
+//! and the way back to the safe pose. For a place on a mobile robot all of it at the nominal dock pose and at every
+//! corner of the tolerance. Samples are checked against joint limits, singularities, keep-out zones, the hand-over
+//! zones of other points, and the arm's work areas.
+
+#![expect(
+    non_snake_case,
+    reason = "frames are part of a pose's name: X_CT is the tool T in the cell C"
+)]
+
+use api::setup::{
+    CheckFinding, JointMarginBody, RouteCheck, SetupCheck, Severity, TaughtPoseCheck, ZoneKind,
+    ZoneMargin,
+};
+use kinematics::{Axis, PendantJoints, Pose};
+use nalgebra::{Isometry3, Translation3};
+use units::Millimeters;
+
+use super::geometry::DockPose;
+use super::model::{Arm, Place, Route, Setup, Site, Taught};
+use super::path::{Closest, closest, joint_path, least_inside};
+use super::resolve::{Dock, Resolved, reach};
+use crate::wire_bodies::shown;
+
+/// The distance between two samples of a straight line, in millimeters.
+const STEP_MM: f64 = 5.0;
+/// A joint that turns farther than this from one sample of a straight line to the next cannot follow it, in degrees.
+const MAX_TURN_DEG: f64 = 15.0;
+/// Below these a finding is a warning.
+const SMALL_MARGIN_DEG: f64 = 5.0;
+const SMALL_GAP_MM: f64 = 25.0;
+/// The findings of one taught pose that are told of.
+const MOST_FINDINGS: usize = 10;
+
+impl Setup {
+    /// Plans and measures everything in the set-up.
+    pub(crate) fn check(&self) -> SetupCheck {
+        let taught_poses: Vec<_> = self.taught.iter().map(|taught| self.plan(taught)).collect();
+        let routes: Vec<_> = self
+            .routes
+            .iter()
+            .map(|route| self.measure(route))
+            .collect();
+        let findings = self.whole();
+        let no_error = findings
+            .iter()
+            .all(|found| found.severity != Severity::Error);
+        SetupCheck {
+            passed: no_error
+                && taught_poses.iter().all(|taught| taught.passed)
+                && routes.iter().all(|route| route.passed),
+            revision: None,
+            taught_poses,
+            routes,
+            findings,
+        }
+    }
+
+    fn plan(&self, taught: &Taught) -> TaughtPoseCheck {
+        let mut planner = Planner::new(taught);
+        let (Some(arm), Some(place)) = (self.arm(&taught.arm), self.place(&taught.place)) else {
+            unreachable!("a taught pose of a checked set-up has an arm and a place");
+        };
+        let docks = self.docks(place);
+        for (index, dock) in docks.iter().enumerate() {
+            let where_docked = match (index, docks.len()) {
+                (_, 1) => String::new(),
+                (0, _) => ", docked as nominal".to_owned(),
+                (corner, _) => format!(", docked at corner {corner} of the tolerance"),
+            };
+            match self.grip_pose(taught, *dock) {
+                Ok(X_CT) => self.plan_one(&mut planner, arm, place, taught, &X_CT, &where_docked),
+                Err(error) => planner.error("", &where_docked, error.to_string()),
+            }
+        }
+        planner.finish(docks.len())
+    }
+
+    /// The dock poses to plan for.
+    fn docks(&self, place: &Place) -> Vec<Dock> {
+        let point = match &place.site {
+            Site::OnMobileRobot { point, .. } => self.point(point),
+            Site::Fixed | Site::Buffer | Site::Reject => None,
+        };
+        match point {
+            None => vec![Dock::Nominal],
+            Some(point) => {
+                let corners: Vec<DockPose> = point.dock.corners(&point.tolerance);
+                corners.into_iter().map(Dock::Measured).collect()
+            }
+        }
+    }
+
+    fn plan_one(
+        &self,
+        planner: &mut Planner<'_>,
+        arm: &Arm,
+        place: &Place,
+        taught: &Taught,
+        X_CT: &Pose,
+        where_docked: &str,
+    ) {
+        let approach = taught.approach_of(X_CT);
+        let lift = taught.lift_of(X_CT);
+        let down = planner.line(arm, &approach, X_CT, "approach", where_docked);
+        let up = planner.line(arm, X_CT, &lift, "lift", where_docked);
+        let mut paths = Vec::new();
+        if let Some(first) = down.first() {
+            let from_safe = joint_path(&arm.safe, &first.joints);
+            paths.push(("the way from the safe pose to the approach", from_safe));
+        }
+        if let Some(last) = up.last() {
+            let to_safe = joint_path(&last.joints, &arm.safe);
+            paths.push(("the way from the lift to the safe pose", to_safe));
+        }
+        let joints = |line: &[Resolved]| line.iter().map(|at| at.joints).collect();
+        paths.push(("the approach", joints(&down)));
+        paths.push(("the lift", joints(&up)));
+        for (what, samples) in &paths {
+            self.look(planner, arm, place, samples, what, where_docked);
+        }
+    }
+
+    /// Looks at the samples of a path.
+    fn look(
+        &self,
+        planner: &mut Planner<'_>,
+        arm: &Arm,
+        place: &Place,
+        samples: &[PendantJoints],
+        what: &str,
+        where_docked: &str,
+    ) {
+        planner.samples += u32::try_from(samples.len()).unwrap_or(u32::MAX);
+        for joints in samples {
+            planner.joints(arm, joints);
+        }
+        let keep_out = self.zones_of(&arm.id, ZoneKind::KeepOut);
+        if let Some(found) = closest(arm, samples, keep_out) {
+            if found.gap.0 < 0.0 {
+                let message = format!(
+                    "the arm enters the keep-out zone `{}` by {:.1} mm at {}",
+                    found.zone,
+                    -found.gap.0,
+                    spot(&found)
+                );
+                planner.error(what, where_docked, message);
+            }
+            planner.keep_out(found);
+        }
+        let own = self.zone_of(place);
+        let foreign = self
+            .zones_of(&arm.id, ZoneKind::Handover)
+            .filter(|zone| Some(zone.id.as_str()) != own);
+        if let Some(found) = closest(arm, samples, foreign).filter(|found| found.gap.0 < 0.0) {
+            let message = format!(
+                "the arm enters the hand-over zone `{}`, which this place has no part in, by {:.1} mm at {}",
+                found.zone,
+                -found.gap.0,
+                spot(&found)
+            );
+            planner.error(what, where_docked, message);
+        }
+        let work = self.zones_of(&arm.id, ZoneKind::Work);
+        if let Some(found) = least_inside(arm, samples, work) {
+            if found.gap.0 < 0.0 {
+                let message = format!(
+                    "the tool center point leaves the work area `{}` by {:.1} mm at {}",
+                    found.zone,
+                    -found.gap.0,
+                    spot(&found)
+                );
+                planner.error(what, where_docked, message);
+            }
+            planner.work(found);
+        }
+    }
+
+    /// The hand-over zone a place is in.
+    fn zone_of(&self, place: &Place) -> Option<&str> {
+        match &place.site {
+            Site::OnMobileRobot { point, .. } => self.point(point)?.zone.as_deref(),
+            Site::Fixed | Site::Buffer | Site::Reject => None,
+        }
+    }
+
+    fn measure(&self, route: &Route) -> RouteCheck {
+        let end = |id: &str| self.point(id).map(|point| [point.dock.x, point.dock.y]);
+        let points: Vec<[f64; 2]> = end(&route.from)
+            .into_iter()
+            .chain(route.waypoints.iter().copied())
+            .chain(end(&route.to))
+            .map(|[x, y]| [x.0, y.0])
+            .collect();
+        let legs = || points.iter().zip(points.iter().skip(1));
+        let mut check = RouteCheck {
+            route: route.id.clone(),
+            passed: true,
+            length_mm: shown(legs().map(|(a, b)| (b[0] - a[0]).hypot(b[1] - a[1])).sum()),
+            keep_out: None,
+            findings: Vec::new(),
+        };
+        let robots = self.mobile_robots.iter();
+        for robot in robots.filter(|robot| route.robots.includes(&robot.id)) {
+            // A mecanum robot may face anywhere on its way: the circle about its footprint is what has to pass.
+            let radius = robot.length.0.hypot(robot.width.0) / 2.0;
+            for zone in self.zones_of(&robot.id, ZoneKind::KeepOut) {
+                for (leg, (from, to)) in legs().enumerate() {
+                    let gap = zone.bounds.gap_on_floor(*from, *to, radius, robot.height.0);
+                    let Some(gap) = gap else { continue };
+                    if gap < 0.0 {
+                        check.passed = false;
+                        check.findings.push(CheckFinding {
+                            severity: Severity::Error,
+                            item: format!("routes/{} leg {leg}", route.id),
+                            message: format!(
+                                "`{}` comes into the keep-out zone `{}` by {:.1} mm, measured at its corners",
+                                robot.id, zone.id, -gap
+                            ),
+                        });
+                    }
+                    if check
+                        .keep_out
+                        .as_ref()
+                        .is_none_or(|known| gap < known.margin_mm)
+                    {
+                        check.keep_out = Some(ZoneMargin {
+                            zone: zone.id.clone(),
+                            margin_mm: thousandths(gap),
+                        });
+                    }
+                }
+            }
+        }
+        check.findings.truncate(MOST_FINDINGS);
+        check
+    }
+
+    /// What belongs to no taught pose and no route.
+    fn whole(&self) -> Vec<CheckFinding> {
+        let mut findings = Vec::new();
+        let mut found = |severity, item: String, message: String| {
+            findings.push(CheckFinding {
+                severity,
+                item,
+                message,
+            });
+        };
+        for place in &self.places {
+            if !self.taught.iter().any(|taught| taught.place == place.id) {
+                found(
+                    Severity::Warning,
+                    format!("places/{}", place.id),
+                    "no arm has a taught pose there: nothing can be brought or fetched".to_owned(),
+                );
+            }
+        }
+        for arm in &self.arms {
+            let at_safe = [arm.safe];
+            if let Err(violation) = self.check_path(arm, &at_safe) {
+                found(
+                    Severity::Error,
+                    format!("arms/{} safe", arm.id),
+                    violation.to_string(),
+                );
+            }
+            let handover = self.zones_of(&arm.id, ZoneKind::Handover);
+            let inside = closest(arm, &at_safe, handover).filter(|found| found.gap.0 < 0.0);
+            if let Some(inside) = inside {
+                found(
+                    Severity::Error,
+                    format!("arms/{} safe", arm.id),
+                    format!(
+                        "the arm is inside the hand-over zone `{}` by {:.1} mm at {}",
+                        inside.zone,
+                        -inside.gap.0,
+                        spot(&inside)
+                    ),
+                );
+            }
+        }
+        for destination in &self.destinations {
+            let served = self.points.iter().filter(|point| !point.arms.is_empty());
+            for point in served.filter(|point| point.id != destination.point) {
+                if !self.is_connected(&point.id, &destination.point) {
+                    found(
+                        Severity::Warning,
+                        format!("destinations/{}", destination.id),
+                        format!("no route leads there from `{}`", point.id),
+                    );
+                }
+            }
+        }
+        findings
+    }
+
+    /// Whether some route leads from one point to another, over any number of points between.
+    fn is_connected(&self, from: &str, to: &str) -> bool {
+        use api::setup::RouteDirection::{BothWays, OneWay};
+        let mut reached = vec![from];
+        let mut next = 0;
+        while let Some(here) = reached.get(next).copied() {
+            next += 1;
+            for route in &self.routes {
+                let onward = match route.direction {
+                    _ if route.from == here => Some(route.to.as_str()),
+                    BothWays if route.to == here => Some(route.from.as_str()),
+                    BothWays | OneWay => None,
+                };
+                reached.extend(onward.filter(|onward| !reached.contains(onward)));
+            }
+        }
+        reached.contains(&to)
+    }
+}
+
+/// Gathers what is found about one taught pose.
+struct Planner<'a> {
+    taught: &'a Taught,
+    samples: u32,
+    joint: Option<JointMarginBody>,
+    singularity: Option<f64>,
+    keep_out: Option<Closest>,
+    work: Option<Closest>,
+    findings: Vec<CheckFinding>,
+}
+
+impl<'a> Planner<'a> {
+    fn new(taught: &'a Taught) -> Self {
+        Self {
+            taught,
+            samples: 0,
+            joint: None,
+            singularity: None,
+            keep_out: None,
+            work: None,
+            findings: Vec::new(),
+        }
+    }
+
+    fn item(&self) -> String {
+        format!("taught-poses/{}/{}", self.taught.arm, self.taught.place)
+    }
+
+    /// What is wrong. The same thing in the same words at several dock poses is told of once for each of them.
+    fn error(&mut self, what: &str, where_docked: &str, message: String) {
+        let message = match what {
+            "" => message,
+            what => format!("{what}: {message}"),
+        };
+        let item = format!("{}{where_docked}", self.item());
+        self.findings.push(CheckFinding {
+            severity: Severity::Error,
+            item,
+            message,
+        });
+    }
+
+    /// The samples of a straight line, as far as the arm can follow it.
+    fn line(
+        &mut self,
+        arm: &Arm,
+        from: &Pose,
+        to: &Pose,
+        what: &'static str,
+        where_docked: &str,
+    ) -> Vec<Resolved> {
+        let along = to.isometry().translation.vector - from.isometry().translation.vector;
+        let steps = (along.norm() / STEP_MM).ceil().max(1.0);
+        let mut line: Vec<Resolved> = Vec::new();
+        let mut step = 0.0;
+        while step <= steps {
+            let shift = Isometry3::from_parts(
+                Translation3::from(along * (step / steps)),
+                nalgebra::UnitQuaternion::identity(),
+            );
+            let X_CT = match Pose::try_from_isometry(shift) {
+                Ok(shift) => shift * *from,
+                Err(error) => {
+                    self.error(what, where_docked, error.to_string());
+                    return line;
+                }
+            };
+            let at = format!("{what}, {:.0} mm along", along.norm() * step / steps);
+            match reach(arm, &X_CT, self.taught.configuration, what) {
+                Ok(resolved) => {
+                    if let Some((axis, turn)) = line
+                        .last()
+                        .and_then(|before| too_far(&before.joints, &resolved.joints))
+                    {
+                        let message = format!(
+                            "{axis} would have to turn by {turn:.1} degrees within {:.1} mm",
+                            along.norm() / steps
+                        );
+                        self.error(&at, where_docked, message);
+                        return line;
+                    }
+                    let (_, measure) = resolved.singularity.nearest();
+                    if self.singularity.is_none_or(|known| measure < known) {
+                        self.singularity = Some(measure);
+                    }
+                    line.push(resolved);
+                }
+                Err(error) => {
+                    self.error(&at, where_docked, error.to_string());
+                    return line;
+                }
+            }
+            step += 1.0;
+        }
+        line
+    }
+
+    fn joints(&mut self, arm: &Arm, joints: &PendantJoints) {
+        for axis in Axis::ALL {
+            let value = joints.of(axis);
+            let margin = arm.model.limits(axis).margin(value).0;
+            if self
+                .joint
+                .as_ref()
+                .is_none_or(|known| margin < known.margin_deg)
+            {
+                self.joint = Some(JointMarginBody {
+                    joint: axis.to_string(),
+                    value_deg: thousandths(value.0),
+                    margin_deg: thousandths(margin),
+                });
+            }
+        }
+    }
+
+    fn keep_out(&mut self, found: Closest) {
+        if self
+            .keep_out
+            .as_ref()
+            .is_none_or(|known| found.gap < known.gap)
+        {
+            self.keep_out = Some(found);
+        }
+    }
+
+    fn work(&mut self, found: Closest) {
+        if self.work.as_ref().is_none_or(|known| found.gap < known.gap) {
+            self.work = Some(found);
+        }
+    }
+
+    /// Adds the warnings, and gives the line of the report.
+    fn finish(mut self, docks: usize) -> TaughtPoseCheck {
+        let passed = self.findings.is_empty();
+        let mut warnings = Vec::new();
+        if let Some(joint) = &self.joint
+            && (0.0..SMALL_MARGIN_DEG).contains(&joint.margin_deg)
+        {
+            warnings.push(format!(
+                "{} comes within {:.1} degrees of its limit",
+                joint.joint, joint.margin_deg
+            ));
+        }
+        if let Some(close) = &self.keep_out
+            && (0.0..SMALL_GAP_MM).contains(&close.gap.0)
+        {
+            warnings.push(format!(
+                "the arm comes within {:.1} mm of `{}`",
+                close.gap.0, close.zone
+            ));
+        }
+        self.findings.truncate(MOST_FINDINGS);
+        let item = self.item();
+        self.findings
+            .extend(warnings.into_iter().map(|message| CheckFinding {
+                severity: Severity::Warning,
+                item: item.clone(),
+                message,
+            }));
+        TaughtPoseCheck {
+            arm: self.taught.arm.clone(),
+            place: self.taught.place.clone(),
+            passed,
+            dock_poses: u32::try_from(docks).unwrap_or(u32::MAX),
+            samples: self.samples,
+            joint: self.joint,
+            singularity: self.singularity.map(thousandths),
+            keep_out: self.keep_out.as_ref().map(margin),
+            work: self.work.as_ref().map(margin),
+            findings: self.findings,
+        }
+    }
+}
+
+/// The joint that turns too far from one sample to the next, if any does.
+fn too_far(before: &PendantJoints, after: &PendantJoints) -> Option<(Axis, f64)> {
+    Axis::ALL.into_iter().find_map(|axis| {
+        let turn = (after.of(axis).0 - before.of(axis).0).abs();
+        (turn > MAX_TURN_DEG).then_some((axis, turn))
+    })
+}
+
+fn spot(found: &Closest) -> String {
+    let point = found.point;
+    format!("x {:.1}, y {:.1}, z {:.1} mm", point.x, point.y, point.z)
+}
+
+fn margin(found: &Closest) -> ZoneMargin {
+    let Millimeters(gap) = found.gap;
+    ZoneMargin {
+        zone: found.zone.clone(),
+        margin_mm: thousandths(gap),
+    }
+}
+
+/// A margin, to the thousandth: more is not known.
+fn thousandths(value: f64) -> f64 {
+    (value * 1e3).round() / 1e3 + 0.0
+}

@@ -1,0 +1,5 @@
+//! Set-ups as operators write them, right and wrong.
+
+mod support;
+
+mod checking;
