@@ -100,6 +100,10 @@ pub enum LedgerEvent {
     Gripped,
     /// The gripper let a part go.
     Released,
+    /// The part fell out of the gripper.
+    Lost,
+    /// A person moved the arm with the pendant.
+    Jogged,
 }
 
 /// The command that a program carries out, as the program noted it in registers.
@@ -150,7 +154,8 @@ pub struct LedgerEntry {
     /// The command that the program carries out, if it notes that.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub command: Option<CommandId>,
-    /// The part, for `gripped` and `released`.
+    /// The part, for `gripped`, `released` and `lost`; `target_pose` is that of the tool in the world then, and `motion`
+    /// is 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub part: Option<String>,
     /// The general override at this moment.

@@ -58,6 +58,7 @@ pub mod controller;
 mod driver;
 pub mod effects;
 pub mod error;
+pub mod gripper;
 mod hardware;
 pub mod labels;
 pub mod ledger;
@@ -71,8 +72,9 @@ mod virtual_controller;
 
 pub use clock::{Clock, Stepper};
 pub use config::{ControllerConfig, Exposure, ProgramSource, SecondClient};
-pub use controller::{CmosMemory, Controller};
+pub use controller::{CmosMemory, Controller, OperateError, Operation};
 pub use error::{ControllerStopped, StartError};
+pub use gripper::{GripperConfig, Workpieces};
 pub use hardware::operator::OperatingMode;
 pub use labels::PeerLabels;
 pub use ledger::{CommandId, LedgerEntry, LedgerEvent};

@@ -40,6 +40,12 @@ impl Controller {
             pose,
             configuration: model.configuration(&joints).to_string(),
             moving: hardware.executor.is_moving(),
+            held: hardware.executor.is_held(),
+            mode: hardware.operator.mode,
+            pendant_enabled: hardware.operator.pendant,
+            emergency_stop: hardware.operator.emergency_stop,
+            hold: hardware.operator.hold,
+            gripper: hardware.gripper.as_ref().map(|gripper| gripper.view()),
             override_percent: hardware.override_percent,
             motion_queue: hardware.executor.queued(),
             tasks: self

@@ -6,7 +6,7 @@ use units::MmPerSec;
 
 use super::{Hardware, MotionTag, Wake};
 use crate::ledger::{LedgerEntry, LedgerEvent, MotionKind, seconds};
-use crate::motion::planner::pose_of_target;
+use crate::motion::planner::{pose_mm_deg, pose_of_target};
 use crate::motion::{Added, Motion, MotionEnd, Outcome, Path, Refusal};
 use crate::sysvars::codes::motype;
 
@@ -293,6 +293,25 @@ impl Hardware {
             Ok(motype::CIRCULAR) => MotionKind::Circular,
             Ok(_) | Err(_) => MotionKind::Joint,
         }
+    }
+
+    /// A person moved the arm with the pendant.
+    pub(super) fn note_jog(&mut self, from: &PendantJoints, to: &PendantJoints) {
+        let tag = MotionTag {
+            id: MotionId(0),
+            task: TaskId(0),
+            kind: MotionKind::Joint,
+            target: pose_mm_deg(&self.planner.tcp_in_world(to, &karel::Position::default())),
+            speed_mm_s: 0.0,
+            speed_percent: None,
+            command: None,
+            program: "".into(),
+            line: 0,
+            origin: super::Origin::default(),
+        };
+        let mut entry = self.entry(LedgerEvent::Jogged, &tag, from);
+        entry.to_deg = Some(to.degrees().into());
+        self.ledger.push(entry);
     }
 
     /// The operator holds the arm: it brakes on its path, and what is added waits.

@@ -119,6 +119,7 @@ impl Host for Hardware {
                 "A program set {port}[{number}] to {value:?}.",
             );
         }
+        self.gripper_output(port, number, value);
         Ok(())
     }
 

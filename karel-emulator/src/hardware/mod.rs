@@ -4,6 +4,7 @@
 //! can run with a mutable borrow of it.
 
 mod arm;
+mod gripping;
 mod host;
 pub(crate) mod operator;
 mod sockets;
@@ -25,6 +26,7 @@ use crate::motion::{Executor, Planner, Refusal};
 use crate::ports::Ports;
 use crate::sysvars::SystemVariables;
 use crate::tags::ServerTag;
+use gripping::Gripper;
 use operator::Operator;
 
 /// Lines of the USER screen that are kept.
@@ -47,6 +49,7 @@ pub(crate) struct Hardware {
     pub(crate) tags: Vec<ServerTag>,
     pub(crate) screen: VecDeque<String>,
     pub(crate) operator: Operator,
+    pub(crate) gripper: Option<Gripper>,
     /// Where programs note the command that they carry out.
     command_registers: Option<(u16, u16)>,
     /// The task whose statements are executed now.
@@ -128,7 +131,10 @@ impl Wake {
 
 impl Hardware {
     pub(crate) fn new(config: &ControllerConfig) -> Self {
-        Self {
+        let gripper = config
+            .gripper
+            .map(|gripper| Gripper::new(gripper, config.workpieces.clone()));
+        let mut hardware = Self {
             name: config.name.as_str().into(),
             now: Duration::ZERO,
             planner: Planner::new(config.model.clone()),
@@ -141,6 +147,7 @@ impl Hardware {
             tags: Tag::all().map(ServerTag::new).collect(),
             screen: VecDeque::new(),
             operator: Operator::default(),
+            gripper,
             command_registers: config.command_registers,
             running: None,
             effects: Vec::new(),
@@ -153,7 +160,9 @@ impl Hardware {
             stop_status: Status::OK,
             origins: BTreeMap::new(),
             refusals: BTreeMap::new(),
-        }
+        };
+        hardware.show_gripper();
+        hardware
     }
 
     pub(crate) fn take_effects(&mut self) -> Vec<Effect> {
@@ -171,6 +180,8 @@ impl Hardware {
             slot.task = None;
         }
         self.stop_arm("The power was switched off");
+        self.operator.hold = false;
+        let _nothing_goes_on = self.executor.resume(self.now);
         self.alarms.reset();
         self.screen.clear();
         self.forget_tasks(&[]);

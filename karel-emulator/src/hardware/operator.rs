@@ -41,10 +41,12 @@ pub(crate) struct Operator {
 
 /// SRVO-001: the emergency stop of the operator panel.
 pub(crate) const SRVO_EMERGENCY_STOP: Status = Status::new(11, 1);
-/// SRVO-003: the deadman switch; here also for a pendant that is enabled in AUTO.
-const SRVO_PENDANT: Status = Status::new(11, 3);
-/// SYST-040: the mode does not permit a motion. A number of our own.
-const SYST_MODE: Status = Status::new(24, 40);
+/// SRVO-003: the pendant is enabled.
+///
+/// ASSUMPTION: this number and the next one are ours.
+pub(crate) const SRVO_PENDANT: Status = Status::new(11, 3);
+/// SYST-040: the mode was changed, or does not permit a motion.
+pub(crate) const SYST_MODE: Status = Status::new(24, 40);
 
 /// Bits of `$MOR.$SAFETY_STAT`.
 const SAFETY_EMERGENCY_STOP: i32 = 1;
@@ -93,6 +95,33 @@ impl Hardware {
             return Err(Refusal::new(SYST_MODE, text));
         }
         Ok(())
+    }
+
+    /// Why tasks cannot go on now.
+    pub(crate) fn start_obstacle(&self) -> Option<String> {
+        if self.alarms.active() > 0 {
+            return Some("an alarm waits for a RESET".to_owned());
+        }
+        self.may_move().err().map(|refusal| refusal.text)
+    }
+
+    /// Sets the general override. `false` if it is no percentage.
+    pub(crate) fn set_override(&mut self, percent: i32) -> bool {
+        let path = karel::SysPath::from_name("$MCR").field("$GENOVERRIDE");
+        let value = karel::SysValue::Value(karel::Value::Integer(percent));
+        let set = self.variables.set(&path, value).is_ok();
+        self.follow_override();
+        set
+    }
+
+    /// A person moves the arm. `false` if a program has it.
+    pub(crate) fn jog(&mut self, joints: kinematics::PendantJoints) -> bool {
+        let from = self.executor.joints(self.now);
+        if !self.executor.place(joints) {
+            return false;
+        }
+        self.note_jog(&from, &joints);
+        true
     }
 
     /// `$MOR.$SAFETY_STAT`.

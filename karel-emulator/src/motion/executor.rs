@@ -251,6 +251,15 @@ impl<T> Executor<T> {
         Some((end, started))
     }
 
+    /// Puts the arm somewhere else, as a person with the pendant does. `false` while there is a motion.
+    pub fn place(&mut self, joints: PendantJoints) -> bool {
+        let free = self.running.is_none() && self.pending.is_none();
+        if free {
+            self.rest = joints;
+        }
+        free
+    }
+
     /// Brakes on the path and stays there; motions that are added while `frozen` wait as well.
     pub fn hold(&mut self, now: Duration, frozen: bool) {
         self.frozen |= frozen;

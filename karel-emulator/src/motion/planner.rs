@@ -172,6 +172,16 @@ impl Planner {
         })
     }
 
+    /// Where `tool` is in the world; the flange, if the tool is no pose.
+    #[must_use]
+    pub fn tcp_in_world(&self, joints: &PendantJoints, tool: &Position) -> Pose {
+        let flange = self.model.forward(joints);
+        match pose(tool) {
+            Ok(tool) => flange * tool,
+            Err(_) => flange,
+        }
+    }
+
     /// As [`Self::position`], in full precision, for the panel.
     #[must_use]
     pub fn pose(
@@ -186,6 +196,12 @@ impl Planner {
             .xyzwpr();
         Some(components(&tcp).into())
     }
+}
+
+/// A pose as the ledger writes it.
+#[must_use]
+pub fn pose_mm_deg(pose: &Pose) -> PoseMmDeg {
+    components(&pose.xyzwpr()).into()
 }
 
 /// KAREL's joints as the arm's.
