@@ -174,6 +174,10 @@ problem_codes! {
     CrossSiteRequest, "cross-site-request", 403, "The request comes from another site";
     /// The Host header names a host the server does not answer for.
     HostNotAllowed, "host-not-allowed", 421, "The host is not one of this server's";
+    /// A signal that is not legal now.
+    HandoverConflict, "handover-conflict", 409, "The signal does not fit the hand-over";
+    /// A signal for a hand-over that is over.
+    SessionClosed, "session-closed", 410, "The hand-over session is closed";
 }
 
 // By hand: the derived schema does not see a name that a macro gives, and would list the variants.
