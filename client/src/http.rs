@@ -148,6 +148,13 @@ pub(crate) struct Exchange {
 }
 
 impl Exchange {
+    /// Waits this long for the answer instead of the usual time.
+    pub(crate) fn within(mut self, timeout: Duration) -> Self {
+        self.request = self.request.timeout(timeout);
+        self.call.timeout = timeout;
+        self
+    }
+
     pub(crate) fn query<T: Serialize + ?Sized>(mut self, query: &T) -> Self {
         self.request = self.request.query(query);
         self

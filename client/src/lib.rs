@@ -6,7 +6,8 @@
 //!
 //! ```text
 //! Client ──── cells, version, health, metrics, the thesis's own routes
-//!   └─ Robot ── description, state, forward, inverse, motions
+//!   ├─ Robot ── description, state, forward, inverse, motions
+//!   └─ MobileRobotClient ── state, signals, outbox
 //! EmulatorClient ── state, ledger, alarms
 //! ```
 //!
@@ -39,6 +40,7 @@ mod emulator;
 mod error;
 mod http;
 mod legacy;
+mod mobile;
 mod panel;
 mod robot;
 mod server;
@@ -47,6 +49,7 @@ pub use answer::MAX_ANSWER_BYTES;
 pub use emulator::EmulatorClient;
 pub use error::ClientError;
 pub use http::Timeouts;
+pub use mobile::MobileRobotClient;
 pub use panel::{
     Alarm, EmulatorJoints, EmulatorState, JointLimit, LedgerEntry, LedgerEvent, Log, Tag, Task,
 };

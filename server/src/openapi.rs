@@ -21,7 +21,7 @@ at most once.
 
 This is not a safety function: emergency stop and guards are hard-wired in the controller.";
 
-const TAGS: [(&str, &str); 8] = [
+const TAGS: [(&str, &str); 9] = [
     ("motions", "Moving a robot, and what became of it."),
     ("robots", "What a robot is, and what is known of it now."),
     (

@@ -49,7 +49,7 @@ impl Robot {
     /// Why that is not known, in a sentence.
     pub(crate) fn actual_joints(&self) -> Result<PendantJoints, String> {
         match self.plan.tier {
-            api::Tier::Seed => Err(format!(
+            api::Tier::Seed | api::Tier::SeedStatus | api::Tier::CellServer => Err(format!(
                 "the controller of `{}` (tier seed) reports no position; the target it last accepted is not where the \
                  arm is",
                 self.plan.id

@@ -10,6 +10,7 @@ mod health;
 mod identity;
 mod kinematics;
 mod legacy;
+mod mobile;
 mod motion;
 mod pose;
 mod problem;
@@ -35,6 +36,12 @@ pub use kinematics::{
 pub use legacy::{
     LegacyDelta, LegacyMoved, LegacyPoint, LegacyRefusal, LegacyValidation, LegacyValidationItem,
     LegacyVersion,
+};
+pub use mobile::{
+    DockToleranceBody, FloorAreaBody, FloorPoseBody, MAX_MOBILE_ID, MAX_OUTBOX_WAIT_S,
+    MAX_SIGNAL_ITEMS, MobileErrorBody, MobileErrorLevel, MobileMessage, MobileRobotState,
+    MobileRobotSummary, OperatingMode, Outbox, OutboxMessage, OutboxQuery, RoutePointBody,
+    SignalAnswer, SignalBody, SignalData, SignalName, SlotLoadBody, TransportOrderBody,
 };
 pub use motion::{Completion, Motion, MotionBody, MotionList, MotionState, MotionType, TargetBody};
 pub use pose::{JointsBody, PoseBody};

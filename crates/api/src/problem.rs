@@ -231,6 +231,10 @@ problem_codes! {
     NoActualPose, "no-actual-pose", 409, "The arm's actual pose is not known";
     /// The postures do not determine the tool, or do not agree.
     CalibrationRefused, "calibration-refused", 422, "The postures do not give a tool";
+    /// A signal that is not legal now.
+    HandoverConflict, "handover-conflict", 409, "The signal does not fit the hand-over";
+    /// A signal for a hand-over that is over.
+    SessionClosed, "session-closed", 410, "The hand-over session is closed";
 }
 
 // By hand: the derived schema does not see a name that a macro gives, and would list the variants.
