@@ -1,0 +1,396 @@
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
+use std::time::Duration;
+
+use journal::{CellDecided, Position, ReadError, Record};
+use thiserror::Error;
+use tokio::sync::{mpsc, watch};
+use tokio::time::Instant;
+use tokio_util::sync::CancellationToken;
+use tokio_util::task::TaskTracker;
+use uuid::Uuid;
+use workflow::{Cell, CellView, Effect, Fact, Input, Reply, Setup};
+
+use super::arm::{ArmPort, Operation};
+use super::clock::CellClock;
+use super::handle::{Ask, CellHandle, Refused};
+use super::ids::Ids;
+use crate::clock::WallClock;
+use crate::journal::SharedJournal;
+
+/// Inputs that may wait. An arm has one operation at a time and is looked at a few times a second, so this only fills
+/// if the journal stands still.
+const WAITING: usize = 1_024;
+/// Decisions read at a time at the start.
+const PAGE: usize = 1_000;
+/// How often a result that could not be kept is tried again.
+const RETRY: Duration = Duration::from_millis(500);
+
+/// Why a cell did not start.
+#[derive(Debug, Error)]
+pub enum StartError {
+    /// The journal cannot be read.
+    #[error("reading the decisions of cell `{cell}`")]
+    Read {
+        /// The cell.
+        cell: String,
+        /// Why.
+        #[source]
+        source: ReadError,
+    },
+    /// A decision is none that this program knows. Nothing is guessed: it was written by a newer one, or damaged.
+    #[error("the decision of cell `{cell}` at {position:?} is not understood")]
+    Decision {
+        /// The cell.
+        cell: String,
+        /// Where it stands.
+        position: Position,
+        /// Why.
+        #[source]
+        source: serde_json::Error,
+    },
+}
+
+/// A cell as its journal left it.
+#[derive(Debug)]
+pub(crate) struct Recovered {
+    cell: Cell,
+    /// Jobs that were running.
+    pub(crate) decisions: usize,
+}
+
+impl Recovered {
+    /// Folds every decision of a cell. Nothing follows from them: their effects are of an earlier time.
+    ///
+    /// # Errors
+    /// They cannot be read or understood.
+    pub(crate) async fn read(
+        id: &str,
+        setup: Setup,
+        journal: &SharedJournal,
+        clock: &CellClock,
+    ) -> Result<Self, StartError> {
+        let mut cell = Cell::new(setup);
+        let (mut after, mut decisions) = (Position::default(), 0);
+        loop {
+            let page = journal.decided(id, after, PAGE).await;
+            let page = page.map_err(|source| StartError::Read {
+                cell: id.to_owned(),
+                source,
+            })?;
+            for stored in &page {
+                after = stored.position;
+                decisions += 1;
+                let Record::CellDecided(decided) = &stored.record else {
+                    continue;
+                };
+                let facts: Vec<Fact> =
+                    serde_json::from_str(&decided.facts).map_err(|source| StartError::Decision {
+                        cell: id.to_owned(),
+                        position: after,
+                        source,
+                    })?;
+                for fact in &facts {
+                    let _of_an_earlier_time = cell.apply(clock.now(), fact);
+                }
+            }
+            if page.len() < PAGE {
+                return Ok(Self { cell, decisions });
+            }
+        }
+    }
+}
+
+/// The one task that owns a cell.
+pub(crate) struct Driver {
+    pub(crate) id: String,
+    pub(crate) journal: SharedJournal,
+    pub(crate) clock: CellClock,
+    pub(crate) wall: Arc<dyn WallClock>,
+    pub(crate) arms: BTreeMap<String, Arc<dyn ArmPort>>,
+    pub(crate) tracker: TaskTracker,
+    pub(crate) stop: CancellationToken,
+}
+
+impl Driver {
+    /// Starts the task. Its first decision is the recovery.
+    pub(crate) fn spawn(self, recovered: Recovered) -> CellHandle {
+        let (asks, asked) = mpsc::channel(WAITING);
+        let view = watch::Sender::new(Arc::new(recovered.cell.view(self.clock.now())));
+        let handle = CellHandle::new(asks.clone(), view.subscribe());
+        let ids = Ids::new(Arc::clone(&self.wall));
+        let tracker = self.tracker.clone();
+        let task = Task {
+            cell: recovered.cell,
+            driver: self,
+            ids,
+            view,
+            asks: asks.downgrade(),
+            unkept: VecDeque::new(),
+            writable: true,
+        };
+        drop(tracker.spawn(task.run(asked, asks)));
+        handle
+    }
+}
+
+struct Task {
+    cell: Cell,
+    driver: Driver,
+    ids: Ids,
+    view: watch::Sender<Arc<CellView>>,
+    asks: mpsc::WeakSender<Ask>,
+    /// What happened and could not be kept yet. It did happen, so it is not forgotten.
+    unkept: VecDeque<Input>,
+    writable: bool,
+}
+
+impl Task {
+    async fn run(mut self, mut asked: mpsc::Receiver<Ask>, asks: mpsc::Sender<Ask>) {
+        let stop = self.driver.stop.clone();
+        self.happened(Input::Recover).await;
+        for arm in self.driver.arms.values() {
+            let look = follow(arm.watch(), asks.clone(), stop.clone());
+            drop(self.driver.tracker.spawn(look));
+        }
+        drop(asks);
+        loop {
+            let deadline = self.deadline();
+            let ask = tokio::select! {
+                biased;
+                () = stop.cancelled() => break,
+                ask = asked.recv() => ask,
+                () = sleep_until(deadline) => {
+                    self.time_passed().await;
+                    continue;
+                }
+            };
+            let Some(Ask { input, answer }) = ask else { break };
+            match answer {
+                None => self.happened(input).await,
+                Some(answer) => {
+                    let answered = self.decide(&input).await;
+                    if answer.send(answered).is_err() {
+                        tracing::debug!("the caller went away before its answer");
+                    }
+                }
+            }
+        }
+        asked.close();
+        while let Some(ask) = asked.recv().await {
+            if let Some(answer) = ask.answer {
+                let _gone = answer.send(Err(Refused::Stopping));
+            }
+        }
+    }
+
+    fn deadline(&self) -> Option<Instant> {
+        let clock = &self.driver.clock;
+        let timer = self.cell.next_deadline().map(|at| clock.instant(at));
+        let retry = (!self.unkept.is_empty()).then(|| Instant::now() + RETRY);
+        match (timer, retry) {
+            // A timer that cannot be kept either must not spin.
+            (_, Some(retry)) => Some(retry),
+            (timer, None) => timer,
+        }
+    }
+
+    async fn time_passed(&mut self) {
+        while let Some(input) = self.unkept.pop_front() {
+            let before = self.unkept.len();
+            self.happened(input).await;
+            if self.unkept.len() > before {
+                return;
+            }
+        }
+        self.happened(Input::Tick).await;
+    }
+
+    /// Something happened, whoever likes it or not. What cannot be kept now is kept later.
+    async fn happened(&mut self, input: Input) {
+        match self.decide(&input).await {
+            Ok(_) => {}
+            Err(Refused::NotKept(trouble)) => {
+                // A timer fires again, and an arm is looked at again, by themselves.
+                if !matches!(input, Input::Tick | Input::ArmObserved(_)) {
+                    tracing::warn!(cell.id = self.driver.id, error = %trouble, "what happened could not be kept yet");
+                    self.unkept.push_front(input);
+                }
+            }
+            Err(Refused::Cell(refusal)) => {
+                tracing::debug!(cell.id = self.driver.id, %refusal, "the cell took no notice");
+            }
+            Err(Refused::Busy | Refused::Stopping) => {}
+        }
+    }
+
+    /// Decides, keeps, applies, and sets off what follows: in this order.
+    async fn decide(&mut self, input: &Input) -> Result<Reply, Refused> {
+        let now = self.driver.clock.now();
+        let decision = self
+            .cell
+            .decide(now, input.clone(), &mut self.ids)
+            .map_err(Refused::Cell)?;
+        let durable: Vec<&Fact> = decision
+            .facts
+            .iter()
+            .filter(|fact| fact.is_durable())
+            .collect();
+        if !durable.is_empty() {
+            self.keep(&durable).await?;
+        }
+        for fact in &decision.facts {
+            for effect in self.cell.apply(self.driver.clock.now(), fact) {
+                self.carry_out(effect);
+            }
+        }
+        let _before = self
+            .view
+            .send_replace(Arc::new(self.cell.view(self.driver.clock.now())));
+        Ok(decision.reply)
+    }
+
+    async fn keep(&mut self, facts: &[&Fact]) -> Result<(), Refused> {
+        let facts = serde_json::to_string(facts).unwrap_or_else(|error| {
+            unreachable!("facts are plain data and always have a JSON form: {error}")
+        });
+        let decided = CellDecided {
+            cell: self.driver.id.clone(),
+            facts,
+        };
+        let kept = self
+            .driver
+            .journal
+            .decide_cell(self.driver.wall.now(), decided)
+            .await;
+        let writable = kept.is_ok();
+        if writable != self.writable {
+            self.writable = writable;
+            self.tell_journal(writable);
+        }
+        kept.map(|_| ()).map_err(Refused::NotKept)
+    }
+
+    /// The cell knows whether the journal can be written. That itself is nothing to keep.
+    fn tell_journal(&mut self, writable: bool) {
+        let now = self.driver.clock.now();
+        let decided = self
+            .cell
+            .decide(now, Input::Journal { writable }, &mut self.ids);
+        let Ok(decision) = decided else { return };
+        for fact in decision.facts.iter().filter(|fact| !fact.is_durable()) {
+            for effect in self.cell.apply(now, fact) {
+                self.carry_out(effect);
+            }
+        }
+    }
+
+    fn carry_out(&mut self, effect: Effect) {
+        match effect {
+            Effect::Operate {
+                op,
+                arm,
+                action,
+                job,
+                step: _,
+            } => self.operate(&arm, Operation { op, job, action }),
+            Effect::Reconcile { op, arm, action } => {
+                let job = Uuid::nil();
+                self.reconcile(&arm, Operation { op, job, action });
+            }
+            Effect::StopArm { arm } => {
+                if let Some(port) = self.driver.arms.get(&arm) {
+                    drop(self.driver.tracker.spawn(port.stop()));
+                }
+            }
+            // The message is in the outbox, which the view shows; whoever waits for it watches the view.
+            Effect::Tell {
+                mobile_robot,
+                message,
+            } => tracing::info!(
+                cell.id = self.driver.id,
+                mobile_robot.id = mobile_robot,
+                n = message.n,
+                "a message for a mobile robot"
+            ),
+            Effect::Ask { intervention } => tracing::warn!(
+                cell.id = self.driver.id,
+                %intervention,
+                "a person is needed"
+            ),
+            Effect::Remind { intervention } => tracing::warn!(
+                cell.id = self.driver.id,
+                %intervention,
+                "a person is still needed"
+            ),
+        }
+    }
+
+    fn operate(&mut self, arm: &str, operation: Operation) {
+        let Some(port) = self.driver.arms.get(arm).cloned() else {
+            return;
+        };
+        let op = operation.op;
+        if let Some(expected_ms) = port.expected(&operation) {
+            self.report(Input::OperationPlanned { op, expected_ms });
+        }
+        let ends = port.operate(operation);
+        self.report_end(op, ends);
+    }
+
+    fn reconcile(&mut self, arm: &str, operation: Operation) {
+        let Some(port) = self.driver.arms.get(arm).cloned() else {
+            return;
+        };
+        let op = operation.op;
+        let ends = port.reconcile(operation);
+        self.report_end(op, ends);
+    }
+
+    fn report_end(&self, op: Uuid, ends: super::arm::Later<workflow::OpResult>) {
+        let asks = self.asks.clone();
+        drop(self.driver.tracker.spawn(async move {
+            let result = ends.await;
+            if let Some(asks) = asks.upgrade() {
+                let input = Input::OperationEnded { op, result };
+                let _stopping = asks.send(Ask { input, answer: None }).await;
+            }
+        }));
+    }
+
+    fn report(&self, input: Input) {
+        if let Some(asks) = self.asks.upgrade() {
+            // Only an estimate: where there is no room for it, the cell's own default holds.
+            let _full = asks.try_send(Ask { input, answer: None });
+        }
+    }
+}
+
+/// Tells the driver what is seen of an arm, the latest only.
+async fn follow(
+    mut seen: watch::Receiver<workflow::ArmSeen>,
+    asks: mpsc::Sender<Ask>,
+    stop: CancellationToken,
+) {
+    loop {
+        let now = seen.borrow_and_update().clone();
+        let ask = Ask {
+            input: Input::ArmObserved(now),
+            answer: None,
+        };
+        if asks.send(ask).await.is_err() {
+            return;
+        }
+        let changed = stop.run_until_cancelled(seen.changed()).await;
+        if !matches!(changed, Some(Ok(()))) {
+            return;
+        }
+    }
+}
+
+async fn sleep_until(at: Option<Instant>) {
+    match at {
+        Some(at) => tokio::time::sleep_until(at).await,
+        None => std::future::pending().await,
+    }
+}

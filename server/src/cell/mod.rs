@@ -1,0 +1,21 @@
+//! The cell at work: jobs, hand-over sessions, mobile robots, custody.
+//!
+//! [`workflow::Cell`] decides; this module gives it time, keeps its decisions in the journal before anything follows
+//! from them, carries out its effects, and shows what it knows.
+//!
+//! ```text
+//! routes, arms, timers ── Input ─▶ driver (one task a cell) ─▶ decide ─▶ journal ─▶ apply ─▶ effects ─▶ arms, outboxes
+//!                                        ▲                                            │
+//!                                        └────────────── how an operation ended ◀─────┘
+//! ```
+
+mod arm;
+mod clock;
+mod driver;
+mod handle;
+mod ids;
+
+pub(crate) use arm::{ArmPort, Operation};
+pub(crate) use clock::CellClock;
+pub(crate) use driver::{Driver, Recovered, StartError};
+pub(crate) use handle::{CellHandle, Refused};
