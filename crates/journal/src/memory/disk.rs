@@ -299,8 +299,14 @@ impl State {
         }
         match fault {
             None => Ok(Appended::New(receipt)),
-            Some(Fault::Refuse) => Err(self.fail("writing", Effect::None)),
-            Some(Fault::RefuseAndKeep) => Err(self.fail("syncing", Effect::Unknown)),
+            Some(Fault::Refuse) => {
+                let full = io::Error::new(io::ErrorKind::StorageFull, "an injected fault");
+                Err(self.fail("writing", Effect::None, full))
+            }
+            Some(Fault::RefuseAndKeep) => {
+                let fault = io::Error::other("an injected fault");
+                Err(self.fail("syncing", Effect::Unknown, fault))
+            }
             Some(Fault::PowerLossBefore | Fault::PowerLossAfter) => {
                 self.lose_power();
                 Err(AppendError::Closed {
@@ -310,8 +316,8 @@ impl State {
         }
     }
 
-    fn fail(&mut self, step: &'static str, effect: Effect) -> AppendError {
-        let source: Cause = Arc::new(io::Error::other("an injected fault"));
+    fn fail(&mut self, step: &'static str, effect: Effect, source: io::Error) -> AppendError {
+        let source: Cause = Arc::new(source);
         self.poison = Some(Arc::clone(&source));
         AppendError::Failed {
             step,
