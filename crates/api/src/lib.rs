@@ -19,6 +19,10 @@ pub use health::{JournalReadiness, LinkReadiness, Liveness, Readiness};
 pub use intervention::{
     AllowedAnswer, Intervention, InterventionKind, InterventionList, InterventionState, RespondBody,
 };
+pub use description::{
+    Capabilities, CellSummary, JointDescription, RobotDescription, RobotSummary, StopEffect, Tier,
+};
+pub use health::{LinkReadiness, Liveness, Readiness};
 pub use kinematics::{
     BranchBody, ForwardBody, ForwardResult, InverseBody, InverseResult, JointMargin,
     SingularityBody,
@@ -33,4 +37,4 @@ pub use motion::{
 };
 pub use pose::{JointsBody, PoseBody};
 pub use problem::{Outcome, Problem, ProblemCode, ProblemKind, Violation};
-pub use state::{LinkState, LinkStatus, PoseSource, RobotState};
+pub use state::{ControllerState, LinkState, LinkStatus, OperationalMode, PoseSource, RobotState};

@@ -60,6 +60,7 @@ pub(super) async fn get_robot_state(RobotOf(robot): RobotOf) -> Json<RobotState>
         },
         pose,
         pose_source,
+        controller: None,
         queued,
         queue_capacity,
         last_motion: status.last_motion,
@@ -75,6 +76,7 @@ fn description(plan: &RobotPlan) -> RobotDescription {
         model: model.name().to_owned(),
         manufacturer: model.manufacturer().to_owned(),
         tier: plan.tier,
+        capabilities: plan.tier.capabilities(),
         controller_address: plan.controller.to_string(),
         joints: Axis::ALL
             .into_iter()
