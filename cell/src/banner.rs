@@ -48,6 +48,13 @@ pub(crate) fn print(
         out,
         "  HTTP API             http://{http}      documentation: http://{http}/docs"
     )?;
+    match &file.journal.path {
+        Some(path) => writeln!(out, "  journal              {}", path.display())?,
+        None => writeln!(
+            out,
+            "  journal              in memory: NOTHING SURVIVES A RESTART ([journal] path = \"..\" keeps it)"
+        )?,
+    }
     for part in controllers {
         write!(
             out,

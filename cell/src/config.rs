@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 use serde::Deserialize;
-use server::config::{CellSection, IdentitySection, ServerSection, SetupSource};
+use server::config::{CellSection, IdentitySection, JournalSection, ServerSection, SetupSource};
 
 /// What runs when no file is named.
 const DEMO: &str = include_str!("../demo.toml");
@@ -21,6 +21,9 @@ pub(crate) struct File {
     pub(crate) server: ServerSection,
     /// `[identity]`.
     pub(crate) identity: Option<IdentitySection>,
+    /// `[journal]`.
+    #[serde(default)]
+    pub(crate) journal: JournalSection,
     /// `[[cells]]`.
     #[serde(default)]
     pub(crate) cells: Vec<CellSection>,

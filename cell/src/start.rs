@@ -71,6 +71,8 @@ async fn run(loaded: Loaded, prepared: Vec<Prepared>, new_admin_token: bool) -> 
     let listener = TcpListener::bind(listen)
         .await
         .with_context(|| format!("serving HTTP on {listen}; is another robocell running?"))?;
+    // Late, so that a port in use does not begin an epoch.
+    let journal = server::open_journal(&file.journal, &folder, &SystemClock).await?;
     // Once nothing can fail any more that a second start would repair: the token is shown this once.
     let access =
         access::open(&file, &folder, new_admin_token).with_context(|| format!("in {name}"))?;
@@ -88,6 +90,7 @@ async fn run(loaded: Loaded, prepared: Vec<Prepared>, new_admin_token: bool) -> 
         Seams {
             connector,
             clock: Arc::new(SystemClock),
+            journal,
         },
         stop,
     )

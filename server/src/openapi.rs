@@ -21,8 +21,10 @@ at most once.
 
 This is not a safety function: emergency stop and guards are hard-wired in the controller.";
 
-const TAGS: [(&str, &str); 9] = [
+const TAGS: [(&str, &str); 10] = [
+
     ("motions", "Moving a robot, and what became of it."),
+    ("interventions", "What only a person can decide."),
     ("robots", "What a robot is, and what is known of it now."),
     (
         "kinematics",

@@ -47,6 +47,9 @@ pub enum ServeError {
     /// The set-up of a cell cannot be read, or does not fit.
     #[error(transparent)]
     Setup(StoreError),
+    /// What the journal knows of earlier motions could not be read.
+    #[error("reading the journal")]
+    Journal(#[source] ::journal::ReadError),
 }
 
 /// Serves until `stop` is cancelled, then ends: no new connections, each link stops between two commands, requests
@@ -62,7 +65,7 @@ pub async fn run<L: Listener<Addr = SocketAddr>, C: Connector>(
 ) -> Result<(), ServeError> {
     let limits = plan.server.clone();
     let tracker = TaskTracker::new();
-    let router = start(plan, seams, &tracker, &stop)?;
+    let router = start(plan, seams, &tracker, &stop).await?;
     serve(listener, router, &limits, &stop).await;
     let _closed = tracker.close();
     tracker.wait().await;
@@ -75,8 +78,8 @@ pub async fn run<L: Listener<Addr = SocketAddr>, C: Connector>(
 /// The links run on `tracker` and end once `stop` is cancelled.
 ///
 /// # Errors
-/// The metrics could not be started, or a cell's set-up does not fit.
-pub fn start<C: Connector>(
+/// The metrics could not be started, a cell's set-up does not fit, or the journal could not be read.
+pub async fn start<C: Connector>(
     plan: Plan,
     seams: Seams<C>,
     tracker: &TaskTracker,
@@ -84,7 +87,7 @@ pub fn start<C: Connector>(
 ) -> Result<Router, ServeError> {
     let (routes, document) = router::documented();
     let paths = document.paths.paths.keys().cloned();
-    let app = App::start(plan, seams, paths, tracker, stop)?;
+    let app = App::start(plan, seams, paths, tracker, stop).await?;
     let app = Arc::new(app);
     drop(tracker.spawn(keep_up(Arc::clone(&app), stop.clone())));
     Ok(router::finish(routes, openapi::complete(document), app))

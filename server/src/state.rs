@@ -7,9 +7,10 @@ use tokio_util::task::TaskTracker;
 use crate::clock::WallClock;
 use crate::config::{Plan, RobotPlan, ServerPlan};
 use crate::identity::{AuditSink, Identity, TracingAudit};
+use crate::journal::SharedJournal;
 use crate::link::{self, Connector, Link, Owner};
 use crate::metrics::{LinkMetrics, Metrics};
-use crate::motion_store::MotionStore;
+use crate::motions::{self, InFlight, Motions};
 use crate::problem::Problem;
 use crate::serve::ServeError;
 use crate::setup::SetupBook;
@@ -24,6 +25,8 @@ pub(crate) struct App {
     pub(crate) clock: Arc<dyn WallClock>,
     pub(crate) identity: Identity,
     pub(crate) audit: Arc<dyn AuditSink>,
+    pub(crate) journal: SharedJournal,
+    pub(crate) keys: InFlight,
 }
 
 #[derive(Debug)]
@@ -38,7 +41,7 @@ pub(crate) struct Cell {
 pub(crate) struct Robot {
     pub(crate) plan: Arc<RobotPlan>,
     pub(crate) link: Link,
-    pub(crate) motions: Arc<MotionStore>,
+    pub(crate) motions: Arc<Motions>,
     pub(crate) metrics: LinkMetrics,
 }
 
@@ -65,11 +68,13 @@ pub struct Seams<C> {
     pub connector: C,
     /// What time it is, for the records people read.
     pub clock: Arc<dyn WallClock>,
+    /// Where intents and outcomes are kept.
+    pub journal: SharedJournal,
 }
 
 impl App {
-    /// Starts the links. They end once `stop` is cancelled; `tracker` waits for them.
-    pub(crate) fn start<C: Connector>(
+    /// Takes up what the journal knows, and starts the links. They end once `stop` is cancelled; `tracker` waits for them.
+    pub(crate) async fn start<C: Connector>(
         plan: Plan,
         seams: Seams<C>,
         routes: impl Iterator<Item = String>,
@@ -80,9 +85,15 @@ impl App {
         let identity = plan.identity.ok_or(ServeError::NoIdentity)?;
         let connector = Arc::new(seams.connector);
         let clock = seams.clock;
+        let journal = seams.journal;
         let start_robot = |plan: RobotPlan| {
             let plan = Arc::new(plan);
-            let motions = Arc::new(MotionStore::new(Arc::clone(&clock)));
+            let motions = Arc::new(Motions::new(
+                Arc::clone(&plan),
+                Arc::clone(&clock),
+                journal.clone(),
+                tracker.clone(),
+            ));
             let metrics = metrics.link(&plan);
             let owner = Owner {
                 plan: Arc::clone(&plan),
@@ -112,6 +123,15 @@ impl App {
                 })
             })
             .collect::<Result<_, ServeError>>()?;
+
+        let all: Vec<_> = cells
+            .iter()
+            .flat_map(|cell: &Cell| &cell.robots)
+            .map(|robot: &Arc<Robot>| Arc::clone(&robot.motions))
+            .collect();
+        motions::recover(&journal, &all)
+            .await
+            .map_err(ServeError::Journal)?;
         let (cell, robot) = plan.legacy;
         let legacy = cells.get(cell).and_then(|cell| cell.robots.get(robot));
         let Some(legacy) = legacy.map(Arc::clone) else {
@@ -125,6 +145,8 @@ impl App {
             clock,
             identity,
             audit: Arc::new(TracingAudit),
+            journal,
+            keys: InFlight::default(),
         })
     }
 

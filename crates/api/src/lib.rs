@@ -8,6 +8,7 @@ mod authority;
 mod description;
 mod health;
 mod identity;
+mod intervention;
 mod kinematics;
 mod legacy;
 mod mobile;
@@ -21,10 +22,13 @@ pub use authority::{
     AcquireBody, ControlEnd, ControlHolder, ControlLease, ControlToken, ControlTokenError,
     ControlView, EndedLease, LossBehavior, Station, TransferBody,
 };
+pub use health::{JournalReadiness, LinkReadiness, Liveness, Readiness};
+pub use intervention::{
+    AllowedAnswer, Intervention, InterventionKind, InterventionList, InterventionState, RespondBody,
+};
 pub use description::{
     Capabilities, CellSummary, JointDescription, RobotDescription, RobotSummary, StopEffect, Tier,
 };
-pub use health::{LinkReadiness, Liveness, Readiness};
 pub use identity::{
     Me, NewToken, Role, RotateBody, TokenBody, TokenInfo, TokenList, TokenScope, TokenSecret,
     TokenState,
@@ -43,7 +47,10 @@ pub use mobile::{
     MobileRobotSummary, OperatingMode, Outbox, OutboxMessage, OutboxQuery, RoutePointBody,
     SignalAnswer, SignalBody, SignalData, SignalName, SlotLoadBody, TransportOrderBody,
 };
-pub use motion::{Completion, Motion, MotionBody, MotionList, MotionState, MotionType, TargetBody};
+pub use motion::{
+    Completion, DecisionBody, DoubtAnswer, Evidence, ExpectBody, Motion, MotionBody, MotionList,
+    MotionState, MotionType, RelativeTo, TargetBody,
+};
 pub use pose::{JointsBody, PoseBody};
 pub use problem::{Outcome, Problem, ProblemCode, ProblemKind, Violation};
 pub use state::{ControllerState, LinkState, LinkStatus, OperationalMode, PoseSource, RobotState};

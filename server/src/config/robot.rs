@@ -85,6 +85,14 @@ impl CellPlan {
 }
 
 impl RobotPlan {
+    /// What can be known of a motion's end.
+    pub(crate) fn completion(&self) -> api::Completion {
+        match self.tier {
+            api::Tier::Seed => api::Completion::NotObservable,
+            api::Tier::SeedStatus | api::Tier::CellServer => api::Completion::Observable,
+        }
+    }
+
     fn try_new(key: &str, cell: &str, section: &RobotSection) -> Result<Self, ConfigError> {
         let at = |name: &str| format!("{key}.{name}");
         let robot = id(&at("id"), &section.id)?;

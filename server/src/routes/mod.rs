@@ -1,14 +1,18 @@
 //! The routes, one file a resource. `routes!` registers a handler and its description in one step, so that no route
 //! can miss the OpenAPI document.
 
+mod caller;
 mod cells;
 mod health;
 mod identity;
+mod interventions;
 mod kinematics;
 mod legacy;
 mod legacy_error;
+mod motion_body;
 mod motions;
 mod params;
+mod prefer;
 mod problems;
 mod responses;
 mod robots;
@@ -43,6 +47,9 @@ pub(crate) fn documented() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(identity::revoke_token))
         .routes(routes!(identity::rotate_token))
         .merge(setup::documented())
+        .routes(routes!(interventions::list_interventions))
+        .routes(routes!(interventions::get_intervention))
+        .routes(routes!(interventions::respond))
         .routes(routes!(problems::list_problems))
         .routes(routes!(problems::get_problem))
         .routes(routes!(health::livez))
