@@ -8,6 +8,7 @@ use protocol::{Reply, WireMove};
 use units::MmPerSec;
 use uuid::Uuid;
 
+use crate::authority::Claim;
 use crate::link::{Answer, Base, LinkError, Order, Turned};
 use crate::problem::Problem;
 use crate::request_id::RequestId;
@@ -39,6 +40,7 @@ impl Robot {
     pub(crate) async fn carry_out(
         self: &Arc<Self>,
         prepared: Prepared,
+        claim: Claim,
         request_id: RequestId,
         within: Duration,
         reason: Option<String>,
@@ -50,7 +52,7 @@ impl Robot {
             .map_err(|turned| self.turned(turned, &request_id))?;
         let motion = self.motions.queue(prepared, request_id.clone(), reason);
         let order = Order::Move { motion, prepared };
-        self.judge(place.fill(order, within, request_id).await)
+        self.judge(place.fill(order, within, request_id, claim).await)
     }
 
     /// Sends a move relative to the last accepted target and waits for what becomes of it.
@@ -58,6 +60,7 @@ impl Robot {
         self: &Arc<Self>,
         change: [f64; 6],
         speed: MmPerSec,
+        claim: Claim,
         request_id: RequestId,
     ) -> Result<Accepted, CommandFailure> {
         let place = self
@@ -66,7 +69,7 @@ impl Robot {
             .map_err(|turned| self.turned(turned, &request_id))?;
         let order = Order::Delta { change, speed };
         let within = self.plan.deadline;
-        let answer = place.fill(order, within, request_id.clone()).await;
+        let answer = place.fill(order, within, request_id.clone(), claim).await;
         // The link could not tell before, and made no motion of it.
         if let Some(Answer::Refused(refusal)) = &answer {
             refusal.log(&self.plan.id, &request_id);
@@ -128,6 +131,11 @@ impl Robot {
     }
 
     fn link_problem(&self, motion: Option<Uuid>, error: &LinkError) -> Problem {
+        if let LinkError::Control(refused) = error {
+            return Problem::from(refused.clone())
+                .robot(&self.plan.id)
+                .motion(motion);
+        }
         let problem = match error.outcome() {
             Outcome::NotSent | Outcome::None => {
                 Problem::not_sent(error.code(), error.chain()).retryable()

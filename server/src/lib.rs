@@ -42,6 +42,7 @@
 //! # }
 //! ```
 
+pub mod authority;
 mod clock;
 mod commands;
 pub mod config;

@@ -83,6 +83,7 @@ pub fn start<C: Connector>(
     let app = App::start(plan, seams, paths, tracker, stop)?;
     let app = Arc::new(app);
     drop(tracker.spawn(keep_up(Arc::clone(&app), stop.clone())));
+    drop(tracker.spawn(Arc::clone(&app).end_revoked_leases(stop.clone())));
     Ok(router::finish(routes, openapi::complete(document), app))
 }
 

@@ -27,6 +27,7 @@ pub(crate) use error::LinkError;
 pub(crate) use owner::{Owner, spawn};
 pub use tcp::{TcpConnection, TcpConnector};
 
+use crate::authority::Claim;
 use crate::request_id::RequestId;
 use crate::target::{Prepared, Refusal};
 
@@ -53,6 +54,7 @@ pub(crate) struct Job {
     order: Order,
     deadline: Instant,
     request_id: RequestId,
+    claim: Claim,
     answer: oneshot::Sender<Answer>,
 }
 
@@ -146,12 +148,14 @@ impl Place<'_> {
         order: Order,
         within: Duration,
         request_id: RequestId,
+        claim: Claim,
     ) -> Option<Answer> {
         let (answer, answered) = oneshot::channel();
         self.0.send(Job {
             order,
             deadline: Instant::now() + within,
             request_id,
+            claim,
             answer,
         });
         answered.await.ok()

@@ -2,6 +2,7 @@
 //! can miss the OpenAPI document.
 
 mod cells;
+mod control;
 mod health;
 mod identity;
 mod kinematics;
@@ -14,6 +15,8 @@ mod responses;
 mod robots;
 
 use std::sync::Arc;
+
+pub(crate) use params::cell_of;
 
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -30,6 +33,9 @@ pub(crate) fn documented() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(cells::list_cells))
         .routes(routes!(cells::get_cell))
         .routes(routes!(cells::list_robots))
+        .routes(routes!(control::get_control, control::acquire_control))
+        .routes(routes!(control::keep_control, control::release_control))
+        .routes(routes!(control::transfer_control))
         .routes(routes!(robots::get_robot))
         .routes(routes!(robots::get_robot_description))
         .routes(routes!(robots::get_robot_state))

@@ -9,8 +9,11 @@ use axum::Json;
 use axum::http::{HeaderName, StatusCode, header};
 use units::MmPerSec;
 
-use super::params::{MAX_PAGE, MotionId, Page, RobotOf, RobotPath};
-use super::responses::{AnyProblem, BodyProblem, CrossSite, InvalidJson, LinkProblem, NotFound};
+use super::params::{ControlHeader, MAX_PAGE, MotionId, Page, RobotOf, RobotPath};
+use super::responses::{
+    AnyProblem, BodyProblem, ControlProblem, CrossSite, InvalidJson, LinkProblem, NotFound,
+};
+use crate::authority::Claim;
 use crate::commands::{CommandFailure, no_base};
 use crate::config::{MAX_DEADLINE_MS, RobotPlan};
 use crate::extract::JsonBody;
@@ -42,20 +45,21 @@ const MAX_REASON: usize = 200;
 /// once. At tier 0 the answer `accepted` is the last thing the server can know of a motion.
 #[utoipa::path(
     post, path = "/api/v1/cells/{cell}/robots/{robot}/motions", tag = "motions",
-    params(RobotPath),
+    params(RobotPath, ControlHeader),
     request_body = MotionBody,
     responses(
         (status = 202, description = "The controller took the motion.", body = Motion,
             headers(("location" = String, description = "Where the motion is."))),
-        (status = 409, description = "`controller-rejected`: the controller refused it. `deadline-passed`: it waited too long and was not sent.",
+        (status = 409, description = "`controller-rejected`: the controller refused it. `deadline-passed`: it waited too long and was not sent. `control-lost`: control of the cell ended before it was sent.",
             body = api::Problem, content_type = "application/problem+json"),
         (status = 422, description = "`validation`: the body does not fit. `out-of-workspace`, `joint-limit-exceeded`, `no-solution-in-configuration`, `singularity`: the arm cannot do it. Nothing was sent.",
             body = api::Problem, content_type = "application/problem+json"),
-        CrossSite, InvalidJson, NotFound, BodyProblem, LinkProblem, AnyProblem,
+        ControlProblem, CrossSite, InvalidJson, NotFound, BodyProblem, LinkProblem, AnyProblem,
     ),
 )]
 pub(super) async fn create_motion(
     RobotOf(robot): RobotOf,
+    claim: Claim,
     request_id: RequestId,
     JsonBody(body): JsonBody<MotionBody>,
 ) -> Result<(StatusCode, [(HeaderName, String); 1], Json<Motion>), Problem> {
@@ -69,7 +73,7 @@ pub(super) async fn create_motion(
         .deadline_ms
         .map_or(plan.deadline, Duration::from_millis);
     let accepted = robot
-        .carry_out(prepared, request_id, within, body.reason)
+        .carry_out(prepared, claim, request_id, within, body.reason)
         .await
         .map_err(|failure| problem_of(&robot, failure))?;
     let motion = robot.motions.get(accepted.motion).ok_or_else(|| {

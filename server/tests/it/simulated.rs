@@ -159,6 +159,9 @@ async fn take_command(mut stream: TcpStream, ledger: &Ledger, dice: &mut Dice) -
 /// Asks for one motion after the other while the network between server and robot misbehaves.
 async fn operate(told: Told, seed: u64) -> turmoil::Result {
     let mut dice = Dice(!seed);
+    let take = r#"{"station": "REMOTE", "ttl_s": 60, "reason": "a simulation"}"#;
+    let (_, taken) = send("/api/v1/cells/c1/control-authority", "", take).await?;
+    let control = taken["token"].as_str().unwrap().to_owned();
     for speed in 1..=MOTIONS_A_SEED {
         let fault = async {
             sleep(Duration::from_millis(dice.roll(40))).await;
@@ -182,7 +185,7 @@ async fn operate(told: Told, seed: u64) -> turmoil::Result {
                 _ => {}
             }
         };
-        let ((), answer) = tokio::join!(fault, post(speed));
+        let ((), answer) = tokio::join!(fault, post(speed, &control));
         told.lock().unwrap().push((speed, answer?));
     }
     // What is still on its way arrives: a command that was called not sent must not.
@@ -190,11 +193,23 @@ async fn operate(told: Told, seed: u64) -> turmoil::Result {
     Ok(())
 }
 
-async fn post(speed: u64) -> io::Result<Answer> {
+async fn post(speed: u64, control: &str) -> io::Result<Answer> {
     let body = MOTION.replace("200", &speed.to_string());
+    let (status, body) = send(MOTIONS, control, &body).await?;
+    Ok(Answer {
+        status,
+        outcome: body["outcome"].as_str().unwrap_or_default().to_owned(),
+    })
+}
+
+async fn send(path: &str, control: &str, body: &str) -> io::Result<(u16, Value)> {
+    let control = match control {
+        "" => String::new(),
+        token => format!("control-token: {token}\r\n"),
+    };
     let mut stream = TcpStream::connect("server:8080").await?;
     let request = format!(
-        "POST {MOTIONS} HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\ncontent-type: application/json\r\ncontent-length: {}\r\n\r\n{body}",
+        "POST {path} HTTP/1.1\r\nhost: localhost\r\n{control}connection: close\r\ncontent-type: application/json\r\ncontent-length: {}\r\n\r\n{body}",
         body.len()
     );
     stream.write_all(request.as_bytes()).await?;
@@ -203,10 +218,7 @@ async fn post(speed: u64) -> io::Result<Answer> {
     let answer = String::from_utf8(answer).unwrap();
     let (head, body) = answer.split_once("\r\n\r\n").unwrap();
     let body: Value = serde_json::from_str(body).unwrap();
-    Ok(Answer {
-        status: head[9..12].parse().unwrap(),
-        outcome: body["outcome"].as_str().unwrap_or_default().to_owned(),
-    })
+    Ok((head[9..12].parse().unwrap(), body))
 }
 
 fn run(seed: u64) -> Vec<(u64, Answer)> {
