@@ -48,6 +48,7 @@
 //! # }
 //! ```
 
+pub mod authority;
 mod clock;
 pub mod config;
 mod edge;

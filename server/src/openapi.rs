@@ -15,14 +15,14 @@ const DESCRIPTION: &str = "\
 Drives robot arms through the socket server of their controllers.
 
 Lengths are millimeters, angles degrees; the unit is in the key. W, P and R are rotations about the fixed X, Y and Z \
-axes: R = Rz(r) Ry(p) Rx(w). Errors are problems of RFC 9457 with a stable `code`, and with an `outcome` that says \
+axes: R = Rz(r) Ry(p) Rx(w). Whoever moves a robot holds control of its cell and sends its \
+`Control-Token`. Errors are problems of RFC 9457 with a stable `code`, and with an `outcome` that says \
 what is known of the command: `NOT_SENT`, `REJECTED`, or `UNKNOWN` where the robot may have moved. A command is sent \
 at most once.
 
 This is not a safety function: emergency stop and guards are hard-wired in the controller.";
 
-const TAGS: [(&str, &str); 10] = [
-
+const TAGS: [(&str, &str); 11] = [
     ("motions", "Moving a robot, and what became of it."),
     ("interventions", "What only a person can decide."),
     ("robots", "What a robot is, and what is known of it now."),
@@ -38,6 +38,10 @@ const TAGS: [(&str, &str); 10] = [
     (
         "fanuc",
         "The source thesis's own routes and answers, for its clients: one robot, the configuration's `legacy_robot`.",
+    ),
+    (
+        "control",
+        "Who may move the robots of a cell now: one party at a time, kept by heartbeats.",
     ),
     ("identity", "Who is asking, and the tokens."),
     ("problems", "The kinds of problems, by their stable codes."),

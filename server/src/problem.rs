@@ -5,7 +5,7 @@
 
 use std::time::Duration;
 
-use api::{Outcome, ProblemCode, Violation};
+use api::{ControlHolder, Outcome, ProblemCode, Violation};
 use axum::http::{HeaderName, HeaderValue, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use uuid::Uuid;
@@ -61,7 +61,6 @@ impl Problem {
         &self.0.body.detail
     }
 
-    #[cfg(test)]
     pub(crate) fn code(&self) -> ProblemCode {
         self.0.body.code
     }
@@ -97,6 +96,11 @@ impl Problem {
 
     pub(crate) fn hint(mut self, hint: &str) -> Self {
         self.0.body.hint = Some(hint.to_owned());
+        self
+    }
+
+    pub(crate) fn control(mut self, holder: Option<Box<ControlHolder>>) -> Self {
+        self.0.body.control = holder;
         self
     }
 

@@ -90,6 +90,7 @@ pub async fn start<C: Connector>(
     let app = App::start(plan, seams, paths, tracker, stop).await?;
     let app = Arc::new(app);
     drop(tracker.spawn(keep_up(Arc::clone(&app), stop.clone())));
+    drop(tracker.spawn(Arc::clone(&app).end_revoked_leases(stop.clone())));
     Ok(router::finish(routes, openapi::complete(document), app))
 }
 

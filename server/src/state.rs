@@ -4,6 +4,7 @@ use kinematics::PendantJoints;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
+use crate::authority::{CellControl, EpochStore, LeaseClock, MemoryEpochs};
 use crate::clock::WallClock;
 use crate::config::{Plan, RobotPlan, ServerPlan};
 use crate::identity::{AuditSink, Identity, TracingAudit};
@@ -33,6 +34,7 @@ pub(crate) struct App {
 pub(crate) struct Cell {
     pub(crate) id: String,
     pub(crate) name: String,
+    pub(crate) control: Arc<CellControl>,
     pub(crate) robots: Vec<Arc<Robot>>,
     pub(crate) setup: Arc<SetupBook>,
 }
@@ -108,14 +110,25 @@ impl App {
                 metrics,
             })
         };
+        let audit: Arc<dyn AuditSink> = Arc::new(TracingAudit);
+        let epochs: Arc<dyn EpochStore> = Arc::new(MemoryEpochs::default());
+        let start_control = |cell: &str| {
+            let time = LeaseClock::new(Arc::clone(&clock));
+            let control = CellControl::new(cell, time, Arc::clone(&epochs), Arc::clone(&audit));
+            let control = Arc::new(control);
+            drop(tracker.spawn(Arc::clone(&control).keep_time(stop.clone())));
+            control
+        };
         let cells: Vec<_> = plan
             .cells
             .into_iter()
             .map(|cell| {
+                let control = start_control(&cell.id);
                 let robots: Vec<_> = cell.robots.into_iter().map(start_robot).collect();
                 let plans = robots.iter().map(|robot| Arc::clone(&robot.plan)).collect();
                 let setup = SetupBook::open(cell.setup.as_ref(), plans);
                 Ok(Cell {
+                    control,
                     setup: Arc::new(setup.map_err(ServeError::Setup)?),
                     id: cell.id,
                     name: cell.name,
@@ -144,7 +157,7 @@ impl App {
             metrics,
             clock,
             identity,
-            audit: Arc::new(TracingAudit),
+            audit,
             journal,
             keys: InFlight::default(),
         })
@@ -155,6 +168,20 @@ impl App {
             .iter()
             .find(|known| known.id == cell)
             .ok_or_else(|| Problem::not_found(format!("there is no cell `{}`", shown(cell))))
+    }
+
+    /// Ends the leases of principals whose tokens were revoked, until `stop` is cancelled.
+    pub(crate) async fn end_revoked_leases(self: Arc<Self>, stop: CancellationToken) {
+        let Some(mut changes) = self.identity.changes() else {
+            return;
+        };
+        while let Some(Ok(())) = stop.run_until_cancelled(changes.changed()).await {
+            let now = self.clock.now();
+            for cell in &self.cells {
+                let known = |holder: &str| self.identity.knows(holder, now);
+                cell.control.revoke_unless(known);
+            }
+        }
     }
 
     pub(crate) fn robot(&self, cell: &str, robot: &str) -> Result<&Arc<Robot>, Problem> {

@@ -22,16 +22,16 @@ pub use authority::{
     AcquireBody, ControlEnd, ControlHolder, ControlLease, ControlToken, ControlTokenError,
     ControlView, EndedLease, LossBehavior, Station, TransferBody,
 };
-pub use health::{JournalReadiness, LinkReadiness, Liveness, Readiness};
-pub use intervention::{
-    AllowedAnswer, Intervention, InterventionKind, InterventionList, InterventionState, RespondBody,
-};
 pub use description::{
     Capabilities, CellSummary, JointDescription, RobotDescription, RobotSummary, StopEffect, Tier,
 };
+pub use health::{JournalReadiness, LinkReadiness, Liveness, Readiness};
 pub use identity::{
     Me, NewToken, Role, RotateBody, TokenBody, TokenInfo, TokenList, TokenScope, TokenSecret,
     TokenState,
+};
+pub use intervention::{
+    AllowedAnswer, Intervention, InterventionKind, InterventionList, InterventionState, RespondBody,
 };
 pub use kinematics::{
     BranchBody, ForwardBody, ForwardResult, InverseBody, InverseResult, JointMargin,

@@ -234,6 +234,7 @@ impl Identity {
     }
 
     /// Whether a principal may still act: for what lasts longer than a request, such as a stream of events.
+    #[cfg_attr(not(test), expect(dead_code, reason = "for the streams of events"))]
     pub(crate) fn is_valid(&self, principal: &Principal, now: Timestamp) -> bool {
         match (&*self.0, principal.token()) {
             (Kind::Demo, _) => principal.is_demo(),
@@ -324,4 +325,56 @@ fn allow(
 
 fn refused(asked: &Asked<'_>, code: ProblemCode, detail: &str) -> Problem {
     Problem::new(code, detail).outcome(outcome_of_nothing_sent(asked.method))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn what_lasts_longer_than_a_request_ends_with_its_token() {
+        let folder = tempfile::tempdir().unwrap();
+        let now = Timestamp::now();
+        let (identity, admin) = Identity::open(folder.path().join("t"), now).unwrap();
+        let admin = admin.unwrap();
+        let body = TokenBody {
+            name: "alice".to_owned(),
+            role: api::Role::Viewer,
+            scope: api::TokenScope::default(),
+            expires_in_days: Some(1),
+        };
+        let tokens = identity.tokens().unwrap();
+        let by = tokens.principal(admin.token.reveal(), now).unwrap();
+        let alice = identity.create(body, &by, now).await.unwrap();
+        let principal = tokens.principal(alice.token.reveal(), now).unwrap();
+        let mut changes = identity.changes().unwrap();
+        assert!(identity.is_valid(&principal, now) && identity.knows("alice", now));
+        assert!(!identity.is_valid(&principal, alice.info.expires_at));
+        assert!(!identity.is_valid(&Principal::demo(), now));
+        let id = TokenId::parse(&alice.info.id).unwrap();
+        let _revoked = identity.revoke(&id, now).await.unwrap();
+        assert!(changes.has_changed().unwrap());
+        changes.mark_unchanged();
+        assert!(!identity.is_valid(&principal, now) && !identity.knows("alice", now));
+        assert!(Identity::demo().is_valid(&Principal::demo(), now));
+    }
+
+    /// T1, T2.
+    #[test]
+    fn t1_a_clock_that_was_set_back_revives_no_token() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t");
+        let year = jiff::SignedDuration::from_hours(366 * 24);
+        let now = Timestamp::now();
+        let (_, old) = Identity::open(path.clone(), now - year).unwrap();
+        let (identity, _) = Identity::open(path, now).unwrap();
+        let old = old.unwrap();
+        let tokens = identity.tokens().unwrap();
+        assert!(tokens.principal(old.token.reveal(), now - year).is_err());
+        assert!(
+            tokens
+                .principal(old.token.reveal(), Timestamp::UNIX_EPOCH)
+                .is_err()
+        );
+    }
 }

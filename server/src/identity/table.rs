@@ -15,7 +15,8 @@ const POST: &str = "POST";
 const PUT: &str = "PUT";
 const DELETE: &str = "DELETE";
 
-/// Method, route, least role. Names in braces stand for any name.
+/// Method, route, least role. Names in braces stand for any name, and `**` at the end for whatever follows; the first
+/// line that fits counts.
 #[rustfmt::skip]
 const TABLE: &[(&str, &str, Access)] = &[
     // For whoever watches the process, and for whoever reads how to use it.
@@ -61,6 +62,18 @@ const TABLE: &[(&str, &str, Access)] = &[
     // Its mobile robots.
     (POST, "/api/v1/cells/{cell}/mobile-robots/{mobile_robot}/signals", Access::MobileRobot),
     (GET, "/api/v1/cells/{cell}/mobile-robots/{mobile_robot}/outbox", Access::MobileRobot),
+    // What asks a person.
+    (GET, "/api/v1/cells/{cell}/interventions", Access::Viewer),
+    (GET, "/api/v1/cells/{cell}/interventions/{id}", Access::Viewer),
+    (POST, "/api/v1/cells/{cell}/interventions/{id}/respond", Access::Operator),
+    // Its set-up.
+    (GET, "/api/v1/cells/{cell}/setup", Access::Viewer),
+    (PUT, "/api/v1/cells/{cell}/setup", Access::Integrator),
+    (POST, "/api/v1/cells/{cell}/setup/check", Access::Viewer),
+    (GET, "/api/v1/cells/{cell}/setup/**", Access::Viewer),
+    (PUT, "/api/v1/cells/{cell}/setup/**", Access::Integrator),
+    (POST, "/api/v1/cells/{cell}/setup/**", Access::Integrator),
+    (DELETE, "/api/v1/cells/{cell}/setup/**", Access::Integrator),
     // The thesis's own routes.
     (POST, "/fanuc/move", Access::Operator),
     (POST, "/fanuc/home", Access::Operator),
@@ -186,8 +199,18 @@ impl Template {
 pub(crate) fn access(method: &str, path: &str) -> Option<Access> {
     TABLE
         .iter()
-        .find(|(known, template, _)| *known == method && is_same(template, path))
+        .find(|(known, template, _)| *known == method && covers(template, path))
         .map(|(_, _, access)| *access)
+}
+
+/// Whether a line of the table is about a route.
+fn covers(line: &str, path: &str) -> bool {
+    let Some(begin) = line.strip_suffix("/**") else {
+        return is_same(line, path);
+    };
+    let segments = begin.split('/').count();
+    let beginning: Vec<_> = path.split('/').take(segments).collect();
+    path.split('/').count() > segments && is_same(begin, &beginning.join("/"))
 }
 
 /// Whether two templates are one, whatever their parameters are called.
@@ -241,6 +264,19 @@ mod tests {
             let twice = later.filter(|(m, p, _)| m == method && is_same(p, path));
             assert_eq!(twice.count(), 0, "{method} {path}");
         }
+    }
+
+    #[test]
+    fn a_family_of_routes_covers_what_is_below_it_and_no_more() {
+        let least = |method, path| access(method, path);
+        let below = "/api/v1/cells/{cell}/setup/tools/{arm}/{number}";
+        assert_eq!(least(PUT, below), Some(Access::Integrator));
+        assert_eq!(least(GET, below), Some(Access::Viewer));
+        let check = "/api/v1/cells/{c}/setup/check";
+        assert_eq!(least(POST, check), Some(Access::Viewer));
+        assert_eq!(least(POST, "/api/v1/cells/{cell}/setups"), None);
+        assert_eq!(least(DELETE, "/api/v1/cells/{cell}/setup"), None);
+        assert_eq!(least("PATCH", below), None);
     }
 
     #[test]

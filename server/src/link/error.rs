@@ -4,6 +4,7 @@ use std::time::Duration;
 use api::{Outcome, ProblemCode};
 use thiserror::Error;
 
+use crate::authority::Refused;
 use crate::motions::End;
 
 /// Why a command got no answer that tells.
@@ -28,6 +29,9 @@ pub(crate) enum LinkError {
     WriteNothing(#[source] io::Error),
     #[error("no more commands are sent")]
     Stopping,
+    /// Control of the cell ended while the command waited for its turn.
+    #[error(transparent)]
+    Control(#[from] Refused),
 
     #[error("writing the command failed after {written} of {len} bytes")]
     WritePart {
@@ -48,12 +52,13 @@ pub(crate) enum LinkError {
 
 impl LinkError {
     /// The labels of [`Self::metric_label`].
-    pub(crate) const METRIC_LABELS: [&'static str; 9] = [
+    pub(crate) const METRIC_LABELS: [&'static str; 10] = [
         "deadline_passed",
         "taken_back",
         "not_connected",
         "not_written",
         "stopping",
+        "no_control",
         "written_in_part",
         "closed_early",
         "no_reply",
@@ -67,6 +72,7 @@ impl LinkError {
             Self::Connect { .. } | Self::ConnectTimeout { .. } => "not_connected",
             Self::WriteNothing(_) => "not_written",
             Self::Stopping => "stopping",
+            Self::Control(_) => "no_control",
             Self::WritePart { .. } => "written_in_part",
             Self::Read(_) | Self::ClosedEarly { .. } => "closed_early",
             Self::NoReply { .. } => "no_reply",
@@ -81,7 +87,8 @@ impl LinkError {
             | Self::Connect { .. }
             | Self::ConnectTimeout { .. }
             | Self::WriteNothing(_)
-            | Self::Stopping => Outcome::NotSent,
+            | Self::Stopping
+            | Self::Control(_) => Outcome::NotSent,
             Self::WritePart { .. }
             | Self::Read(_)
             | Self::ClosedEarly { .. }
@@ -98,6 +105,7 @@ impl LinkError {
                 ProblemCode::ControllerDisconnected
             }
             Self::Stopping => ProblemCode::ShuttingDown,
+            Self::Control(refused) => refused.code,
             Self::WritePart { .. }
             | Self::Read(_)
             | Self::ClosedEarly { .. }
@@ -116,6 +124,7 @@ impl LinkError {
             | Self::ConnectTimeout { .. }
             | Self::WriteNothing(_)
             | Self::Stopping
+            | Self::Control(_)
             | Self::WritePart { .. }
             | Self::Read(_)
             | Self::ClosedEarly { .. }

@@ -36,6 +36,7 @@ pub(crate) use error::LinkError;
 pub(crate) use owner::{Owner, spawn};
 pub use tcp::{TcpConnection, TcpConnector};
 
+use crate::authority::Claim;
 use crate::journal::Trouble;
 use crate::motions::Permit;
 use crate::request_id::RequestId;
@@ -71,6 +72,7 @@ pub(crate) struct Job {
     /// When its answer must have come.
     deadline: Instant,
     request_id: RequestId,
+    claim: Claim,
     answer: oneshot::Sender<Answer>,
 }
 
@@ -163,6 +165,7 @@ impl Place<'_> {
         begin_by: Instant,
         deadline: Instant,
         request_id: RequestId,
+        claim: Claim,
     ) -> oneshot::Receiver<Answer> {
         let (answer, answered) = oneshot::channel();
         self.0.send(Job {
@@ -170,6 +173,7 @@ impl Place<'_> {
             begin_by,
             deadline,
             request_id,
+            claim,
             answer,
         });
         answered

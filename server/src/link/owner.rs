@@ -13,6 +13,7 @@ use uuid::Uuid;
 
 use super::seed::{Answered, Drained, Exchange, drain};
 use super::{Answer, Base, Connector, Job, Link, LinkError, Order, Status};
+use crate::authority::Claim;
 use crate::config::RobotPlan;
 use crate::metrics::LinkMetrics;
 use crate::motions::{Asked, End, Entry, Motions, Permit};
@@ -90,6 +91,10 @@ impl<C: Connector> Task<C> {
             self.fail_unsent(job, LinkError::DeadlinePassed).await;
             return;
         }
+        if let Err(refused) = job.claim.check() {
+            self.fail_unsent(job, refused.into()).await;
+            return;
+        }
         let (permit, prepared) = match job.order {
             Order::Move { permit, prepared } => (permit, prepared),
             Order::Delta {
@@ -121,7 +126,7 @@ impl<C: Connector> Task<C> {
             status.last_motion = Some(motion);
         });
         let exchanged = self
-            .exchange(&prepared.wire, &job.request_id, job.deadline)
+            .exchange(&prepared.wire, &job.request_id, job.deadline, &job.claim)
             .await;
         match exchanged {
             Ok(Answered { reply, stream }) => {
@@ -152,6 +157,7 @@ impl<C: Connector> Task<C> {
         wire: &WireMove,
         request_id: &str,
         deadline: Instant,
+        claim: &Claim,
     ) -> Result<Answered<C::Stream>, LinkError> {
         let exchange = Exchange {
             connector: &*self.owner.connector,
@@ -164,6 +170,8 @@ impl<C: Connector> Task<C> {
         let stream = exchange.connect().await?;
         let connected = Instant::now();
         self.owner.metrics.connected(connected - started);
+        // Connecting may have taken long: nothing is sent on behalf of somebody who is not in control any more.
+        claim.check()?;
         let answered = exchange
             .send(stream, &wire.encode(), &mut self.received)
             .await?;

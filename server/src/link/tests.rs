@@ -17,7 +17,9 @@ use units::MmPerSec;
 
 use super::{Answer, Base, Connector, ControllerAddress, Link, LinkError, Order, Owner, spawn};
 use crate::SystemClock;
+use crate::authority::{CellControl, Claim, LeaseClock, MemoryEpochs};
 use crate::config::{CellSection, Plan, RobotPlan, RobotSection, ServerSection};
+use crate::identity::TracingAudit;
 use crate::journal::SharedJournal;
 use crate::metrics::Metrics;
 use crate::motions::{Asked, Entry, Motions};
@@ -108,9 +110,14 @@ fn link(pipes: &Pipes) -> (Link, Arc<RobotPlan>, Arc<Motions>) {
 }
 
 /// Sends a move home, with a deadline.
-async fn home(
+async fn home(robot: &(Link, Arc<RobotPlan>, Arc<Motions>), within: Duration) -> Answer {
+    home_as(robot, within, Claim::of_legacy(control())).await
+}
+
+async fn home_as(
     (link, plan, motions): &(Link, Arc<RobotPlan>, Arc<Motions>),
     within: Duration,
+    claim: Claim,
 ) -> Answer {
     let prepared = plan.prepare_home(MmPerSec(100.0)).unwrap();
     let request_id = RequestId::of(&HeaderMap::new(), || Timestamp::UNIX_EPOCH);
@@ -126,9 +133,16 @@ async fn home(
     let order = Order::Move { permit, prepared };
     let deadline = Instant::now() + within;
     place
-        .send(order, deadline, deadline, request_id)
+        .send(order, deadline, deadline, request_id, claim)
         .await
         .unwrap()
+}
+
+/// Control that nobody holds.
+fn control() -> Arc<CellControl> {
+    let clock = LeaseClock::new(Arc::new(SystemClock));
+    let (epochs, audit) = (Arc::new(MemoryEpochs::default()), Arc::new(TracingAudit));
+    Arc::new(CellControl::new("c1", clock, epochs, audit))
 }
 
 const LONG: Duration = Duration::from_secs(10);
@@ -280,4 +294,49 @@ async fn a_deadline_counts_the_wait_in_the_queue() {
     let error = error_of(second);
     assert!(matches!(error, LinkError::DeadlinePassed), "{error:?}");
     assert_eq!(pipes.attempts().len(), 1);
+}
+
+/// O4, SM-3: the lease ends while its command waits.
+#[tokio::test(start_paused = true)]
+async fn a_command_whose_holder_lost_control_while_it_waited_is_not_sent() {
+    let pipes = Pipes::default();
+    pipes.then([Attempt::Answered(
+        Reply::Accepted,
+        Duration::from_millis(1_900),
+    )]);
+    let robot = link(&pipes);
+    let control = control();
+    let terms = crate::authority::Terms {
+        holder: "anna".to_owned(),
+        station: api::Station::Remote,
+        ttl: Duration::from_secs(2),
+        loss: api::LossBehavior::Stop1,
+        reason: "a test".to_owned(),
+    };
+    let lease = control.acquire(terms, crate::authority::Force::ByStation);
+    let lease = lease.await.unwrap();
+    let claim = Claim::of_lease(&control, lease.token, "anna");
+    let first = home_as(&robot, LONG, claim.clone());
+    let second = async {
+        // Half a second later, so that it is still in control when it asks and not any more when its turn comes.
+        sleep(Duration::from_millis(500)).await;
+        home_as(&robot, LONG, claim.clone()).await
+    };
+    let third = async {
+        sleep(Duration::from_millis(500)).await;
+        pipes.then([Attempt::Answered(
+            Reply::Accepted,
+            Duration::from_millis(500),
+        )]);
+        home_as(&robot, LONG, claim.clone()).await
+    };
+    let (first, second, third) = tokio::join!(first, second, third);
+    assert!(matches!(first, Answer::Replied { .. }), "{first:?}");
+    assert!(matches!(second, Answer::Replied { .. }), "{second:?}");
+    let error = error_of(third);
+    assert_eq!(
+        (error.code(), error.outcome()),
+        (ProblemCode::ControlLost, Outcome::NotSent)
+    );
+    assert_eq!(pipes.attempts().len(), 2);
 }

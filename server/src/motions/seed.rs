@@ -12,6 +12,7 @@ use units::MmPerSec;
 use uuid::Uuid;
 
 use super::{Asked, End, Entered, Entry, KeyGuard, Record};
+use crate::authority;
 use crate::config::RobotPlan;
 use crate::journal::Trouble;
 use crate::link::{Answer, Base, LinkError, Order, Turned};
@@ -49,6 +50,8 @@ pub(crate) struct Start {
     pub(crate) prepared: Prepared,
     pub(crate) entry: Entry,
     pub(crate) claim: Option<Claim>,
+    /// On whose behalf: looked at again before the intent and before the first byte.
+    pub(crate) control: authority::Claim,
     /// When its turn must have come.
     pub(crate) begin_by: Instant,
     /// When its answer must have come.
@@ -72,8 +75,8 @@ impl Robot {
     pub(crate) async fn carry_out(
         self: &Arc<Self>,
         prepared: Prepared,
+        control: authority::Claim,
         request_id: RequestId,
-        principal: Arc<str>,
         within: Duration,
     ) -> Result<Accepted, CommandFailure> {
         let deadline = Instant::now() + within;
@@ -82,11 +85,12 @@ impl Robot {
             entry: Entry {
                 asked: Asked::of(&prepared),
                 request_id,
-                principal,
+                principal: Arc::from(control.actor()),
                 reason: None,
                 not_after: None,
             },
             claim: None,
+            control,
             begin_by: deadline,
             deadline,
             guard: None,
@@ -134,7 +138,13 @@ impl Robot {
             permit,
             prepared: start.prepared,
         };
-        let answer = place.send(order, start.begin_by, start.deadline, request_id);
+        let answer = place.send(
+            order,
+            start.begin_by,
+            start.deadline,
+            request_id,
+            start.control,
+        );
         Ok(Started::New { motion, answer })
     }
 
@@ -145,6 +155,10 @@ impl Robot {
             .reserve()
             .map_err(|turned| self.turned(turned, &request_id))?;
         let mut number = self.motions.door.lock().await;
+        start
+            .control
+            .check()
+            .map_err(|refused| Problem::from(refused).robot(&self.plan.id))?;
         let entered = self
             .motions
             .begin(start.entry, start.claim, &mut number)
@@ -157,7 +171,13 @@ impl Robot {
                     permit,
                     prepared: start.prepared,
                 };
-                let answer = place.send(order, start.begin_by, start.deadline, request_id);
+                let answer = place.send(
+                    order,
+                    start.begin_by,
+                    start.deadline,
+                    request_id,
+                    start.control,
+                );
                 drop(number);
                 drop(start.guard);
                 Ok(Started::New { motion, answer })
@@ -171,8 +191,8 @@ impl Robot {
         self: &Arc<Self>,
         change: [f64; 6],
         speed: MmPerSec,
+        control: authority::Claim,
         request_id: RequestId,
-        principal: Arc<str>,
     ) -> Result<Accepted, CommandFailure> {
         let place = self
             .link
@@ -181,10 +201,10 @@ impl Robot {
         let order = Order::Delta {
             change,
             speed,
-            principal,
+            principal: Arc::from(control.actor()),
         };
         let deadline = Instant::now() + self.plan.deadline;
-        let answer = place.send(order, deadline, deadline, request_id.clone());
+        let answer = place.send(order, deadline, deadline, request_id.clone(), control);
         let answer = answer.await.ok();
         // The link could not tell before, and made no motion of it.
         if let Some(Answer::Refused(refusal)) = &answer {
@@ -208,6 +228,13 @@ impl Robot {
                 sent,
             }) => Ok(Accepted { sent }),
             Some(Answer::Replied { reply, .. }) => Err(CommandFailure::Rejected(reply)),
+            // Who holds control now is worth telling.
+            Some(Answer::Failed {
+                motion,
+                error: LinkError::Control(refused),
+            }) => Err(CommandFailure::Problem(
+                Problem::from(refused).robot(&self.plan.id).motion(motion),
+            )),
             Some(Answer::Failed { motion, error }) => {
                 let problem = problem_of_end(&self.plan, motion, &error.end());
                 Err(CommandFailure::Problem(problem))

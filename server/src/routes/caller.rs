@@ -1,23 +1,22 @@
 //! Who sends a request.
 
-use std::convert::Infallible;
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
 
 use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
 
+use crate::identity::Principal;
+use crate::problem::Problem;
 use crate::state::App;
-
-/// The caller, where nothing asks who it is.
-static ANYONE: LazyLock<Arc<str>> = LazyLock::new(|| Arc::from("anyone"));
 
 /// The name of the principal a request comes from.
 pub(super) struct Caller(pub(super) Arc<str>);
 
 impl FromRequestParts<Arc<App>> for Caller {
-    type Rejection = Infallible;
+    type Rejection = Problem;
 
-    async fn from_request_parts(_: &mut Parts, _: &Arc<App>) -> Result<Self, Infallible> {
-        Ok(Self(Arc::clone(&ANYONE)))
+    async fn from_request_parts(parts: &mut Parts, app: &Arc<App>) -> Result<Self, Problem> {
+        let principal = Principal::from_request_parts(parts, app).await?;
+        Ok(Self(Arc::from(principal.name())))
     }
 }

@@ -8,16 +8,24 @@ use axum::extract::State;
 
 use super::params::{CellId, CellPath};
 use super::responses::{AnyProblem, NotFound};
+use crate::identity::Principal;
 use crate::problem::Problem;
 use crate::state::{App, Cell};
 
 /// Lists the cells.
+///
+/// Of a token that is limited to one cell, that one.
 #[utoipa::path(
     get, path = "/api/v1/cells", tag = "cells",
-    responses((status = 200, description = "Every cell.", body = Vec<CellSummary>), AnyProblem),
+    responses((status = 200, description = "The cells.", body = Vec<CellSummary>), AnyProblem),
 )]
-pub(super) async fn list_cells(State(app): State<Arc<App>>) -> Json<Vec<CellSummary>> {
-    Json(app.cells.iter().map(summary).collect())
+pub(super) async fn list_cells(
+    State(app): State<Arc<App>>,
+    principal: Principal,
+) -> Json<Vec<CellSummary>> {
+    let cells = app.cells.iter();
+    let seen = cells.filter(|cell| principal.sees_cell(&cell.id));
+    Json(seen.map(summary).collect())
 }
 
 /// Shows a cell.

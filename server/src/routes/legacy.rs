@@ -4,7 +4,10 @@
 
 use std::sync::Arc;
 
-use api::{LegacyDelta, LegacyMoved, LegacyPoint, LegacyRefusal, LegacyValidation, LegacyVersion};
+use api::{
+    LegacyDelta, LegacyMoved, LegacyPoint, LegacyRefusal, LegacyValidation, LegacyVersion,
+    ProblemCode,
+};
 use axum::Json;
 use axum::extract::{FromRequest, FromRequestParts, Query, Request, State};
 use axum::http::request::Parts;
@@ -12,11 +15,13 @@ use protocol::{MAX_SPEED, MIN_SPEED};
 use serde::de::DeserializeOwned;
 use units::MmPerSec;
 
-use super::caller::Caller;
 use super::legacy_error::LegacyError;
 use super::responses::{AnyProblem, BodyProblem, CrossSite, LinkProblem};
+use crate::authority::{Claim, token};
 use crate::extract::read_json;
+use crate::identity::Principal;
 use crate::motions::{Accepted, CommandFailure};
+use crate::problem::Problem;
 use crate::request_id::RequestId;
 use crate::state::{App, Robot, shown};
 use crate::target::{Prepared, Refusal, sent_point};
@@ -43,14 +48,14 @@ const DEFAULT_VELOCITY: u16 = 200;
 )]
 pub(super) async fn fanuc_move(
     State(app): State<Arc<App>>,
-    Caller(principal): Caller,
+    LegacyClaim(claim): LegacyClaim,
     request_id: RequestId,
     Velocity(speed): Velocity,
     LegacyBody(body): LegacyBody<LegacyPoint>,
 ) -> Result<Json<LegacyMoved>, LegacyError> {
     let robot = &app.legacy;
     let prepared = robot.plan.prepare_point(&point_of_legacy(&body), speed);
-    send(robot, prepared, request_id, principal).await
+    send(robot, prepared, claim, request_id).await
 }
 
 /// Moves to the home joints of the arm model.
@@ -67,13 +72,13 @@ pub(super) async fn fanuc_move(
 )]
 pub(super) async fn fanuc_home(
     State(app): State<Arc<App>>,
-    Caller(principal): Caller,
+    LegacyClaim(claim): LegacyClaim,
     request_id: RequestId,
     Velocity(speed): Velocity,
 ) -> Result<Json<LegacyMoved>, LegacyError> {
     let robot = &app.legacy;
     let prepared = robot.plan.prepare_home(speed);
-    send(robot, prepared, request_id, principal).await
+    send(robot, prepared, claim, request_id).await
 }
 
 /// Moves relative to the last accepted target, number by number.
@@ -94,7 +99,7 @@ pub(super) async fn fanuc_home(
 )]
 pub(super) async fn fanuc_delta(
     State(app): State<Arc<App>>,
-    Caller(principal): Caller,
+    LegacyClaim(claim): LegacyClaim,
     request_id: RequestId,
     Velocity(speed): Velocity,
     LegacyBody(body): LegacyBody<LegacyDelta>,
@@ -102,7 +107,7 @@ pub(super) async fn fanuc_delta(
     let robot = &app.legacy;
     let change = [body.dx, body.dy, body.dz, body.dw, body.dp, body.dr];
     let sent = robot
-        .carry_out_delta(change, speed, request_id, principal)
+        .carry_out_delta(change, speed, claim, request_id)
         .await;
     answer(sent)
 }
@@ -122,17 +127,15 @@ pub(super) async fn version() -> Json<LegacyVersion> {
 async fn send(
     robot: &Arc<Robot>,
     prepared: Result<Prepared, Refusal>,
+    claim: Claim,
     request_id: RequestId,
-    principal: Arc<str>,
 ) -> Result<Json<LegacyMoved>, LegacyError> {
     let prepared = prepared.map_err(|refusal| {
         refusal.log(&robot.plan.id, &request_id);
         LegacyError::of_refusal(&refusal, &POINT)
     })?;
     let within = robot.plan.deadline;
-    let sent = robot
-        .carry_out(prepared, request_id, principal, within)
-        .await;
+    let sent = robot.carry_out(prepared, claim, request_id, within).await;
     answer(sent)
 }
 
@@ -145,6 +148,40 @@ fn moved(accepted: &Accepted) -> Json<LegacyMoved> {
     Json(LegacyMoved {
         current_position: legacy_point(&sent_point(&accepted.sent)),
     })
+}
+
+/// On whose behalf the request moves the robot. The seed's clients know of no control authority: they act as `legacy`,
+/// while nobody has control. One that sends a `Control-Token` acts as its holder.
+pub(super) struct LegacyClaim(Claim);
+
+impl FromRequestParts<Arc<App>> for LegacyClaim {
+    type Rejection = LegacyError;
+
+    async fn from_request_parts(parts: &mut Parts, app: &Arc<App>) -> Result<Self, LegacyError> {
+        let principal = Principal::from_request_parts(parts, app)
+            .await
+            .map_err(LegacyError::Problem)?;
+        let cell = &app.legacy.plan.cell;
+        if !principal.sees_cell(cell) {
+            let detail = format!("`{}` sees no robot of these routes", principal.name());
+            let problem = Problem::not_sent(ProblemCode::Forbidden, detail);
+            return Err(LegacyError::Problem(problem));
+        }
+        let control = &app.cell(cell).map_err(LegacyError::Problem)?.control;
+        let claim = if token(&parts.headers)
+            .map_err(LegacyError::Problem)?
+            .is_some()
+        {
+            Claim::of_request(control, &parts.headers, &principal).map_err(LegacyError::Problem)?
+        } else {
+            let claim = Claim::of_legacy(Arc::clone(control));
+            claim
+                .check()
+                .map_err(|refused| LegacyError::of_control(&refused))?;
+            claim
+        };
+        Ok(Self(claim))
+    }
 }
 
 /// A JSON body whose errors come in the seed's shape.

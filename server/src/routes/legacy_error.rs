@@ -1,10 +1,11 @@
 //! Errors in the shapes the seed's own clients know.
 
-use api::{LegacyRefusal, LegacyValidation, LegacyValidationItem};
+use api::{LegacyRefusal, LegacyValidation, LegacyValidationItem, ProblemCode};
 use axum::Json;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 
+use crate::authority::Refused;
 use crate::extract::BodyError;
 use crate::motions::{CommandFailure, no_base};
 use crate::problem::Problem;
@@ -53,8 +54,19 @@ impl LegacyError {
             CommandFailure::NoBase(base) => {
                 Self::Refused(format!("ERROR: NO ACCEPTED TARGET: {}", no_base(base)))
             }
-            CommandFailure::Problem(problem) => Self::Problem(problem),
+            // A legacy caller has no token to lose: somebody took control while the command waited.
+            CommandFailure::Problem(problem) => match problem.code() {
+                ProblemCode::ControlHeld => {
+                    Self::Refused(format!("ERROR: NO CONTROL: {}", problem.detail()))
+                }
+                _ => Self::Problem(problem),
+            },
         }
+    }
+
+    /// Somebody has control of the cell, which the seed's clients know nothing of.
+    pub(crate) fn of_control(refused: &Refused) -> Self {
+        Self::Refused(format!("ERROR: NO CONTROL: {refused}"))
     }
 
     fn unreachable(reason: &str) -> Self {

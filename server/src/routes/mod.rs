@@ -3,6 +3,7 @@
 
 mod caller;
 mod cells;
+mod control;
 mod health;
 mod identity;
 mod interventions;
@@ -20,6 +21,8 @@ mod setup;
 
 use std::sync::Arc;
 
+pub(crate) use params::cell_of;
+
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -35,6 +38,9 @@ pub(crate) fn documented() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(cells::list_cells))
         .routes(routes!(cells::get_cell))
         .routes(routes!(cells::list_robots))
+        .routes(routes!(control::get_control, control::acquire_control))
+        .routes(routes!(control::keep_control, control::release_control))
+        .routes(routes!(control::transfer_control))
         .routes(routes!(robots::get_robot))
         .routes(routes!(robots::get_robot_description))
         .routes(routes!(robots::get_robot_state))

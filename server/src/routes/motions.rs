@@ -14,9 +14,10 @@ use uuid::Uuid;
 
 use super::caller::Caller;
 use super::motion_body::{self, Timing};
-use super::params::{MAX_PAGE, MotionId, Page, RobotOf, RobotPath};
+use super::params::{ControlHeader, MAX_PAGE, MotionId, Page, RobotOf, RobotPath};
 use super::prefer::Prefer;
-use super::responses::{AnyProblem, BodyProblem, CrossSite, LinkProblem, NotFound};
+use super::responses::{AnyProblem, BodyProblem, ControlProblem, CrossSite, LinkProblem, NotFound};
+use crate::authority::Claim;
 use crate::extract::JsonBody;
 use crate::journal::Trouble;
 use crate::motions::{Asked, Entry, Record, RequestKey, Start, Started, problem_of};
@@ -40,7 +41,7 @@ const PREFERENCE_APPLIED: HeaderName = HeaderName::from_static("preference-appli
 #[utoipa::path(
     post, path = "/api/v1/cells/{cell}/robots/{robot}/motions", tag = "motions",
     params(
-        RobotPath,
+        RobotPath, ControlHeader,
         ("idempotency-key" = String, Header, max_length = 128, description = "The caller's own word for this motion, e.g. a UUID."),
         ("prefer" = Option<String>, Header, description = "`wait=N`: answer when the motion is at its end, or after N seconds (60 at most); `respond-async`: at once."),
     ),
@@ -55,18 +56,19 @@ const PREFERENCE_APPLIED: HeaderName = HeaderName::from_static("preference-appli
                 ("idempotency-replayed" = bool, description = "Present and `true` where the motion was asked for before."),
             )),
         (status = 400, description = "`idempotency-missing`: the header is missing. `invalid-json`.", body = api::Problem, content_type = "application/problem+json"),
-        (status = 409, description = "`controller-rejected`: the controller refused it. `deadline-passed`: it waited too long and was not sent. `in-doubt`: an earlier motion has to be decided first. `idempotency-in-flight`: the first request with this key is still being answered. `plan-expired`, `stale-state`, `pose-stale`: what it was made from does not hold any more. `motion-canceled`, `motion-interrupted`, `server-restarted`: what became of it. `not-supported`: this controller cannot do it.",
+        (status = 409, description = "`controller-rejected`: the controller refused it. `deadline-passed`: it waited too long and was not sent. `in-doubt`: an earlier motion has to be decided first. `idempotency-in-flight`: the first request with this key is still being answered. `plan-expired`, `stale-state`, `pose-stale`: what it was made from does not hold any more. `motion-canceled`, `motion-interrupted`, `server-restarted`: what became of it. `not-supported`: this controller cannot do it. `control-lost`: control of the cell ended before it was sent.",
             body = api::Problem, content_type = "application/problem+json"),
         (status = 422, description = "`validation`: the body does not fit. `out-of-workspace`, `joint-limit-exceeded`, `no-solution-in-configuration`, `singularity`: the arm cannot do it. `idempotency-mismatch`: the key was used for something else. Nothing was sent.",
             body = api::Problem, content_type = "application/problem+json"),
         (status = 507, description = "`journal-full`: the intent could not be kept, so nothing was sent.", body = api::Problem, content_type = "application/problem+json"),
-        CrossSite, NotFound, BodyProblem, LinkProblem, AnyProblem,
+        ControlProblem, CrossSite, NotFound, BodyProblem, LinkProblem, AnyProblem,
     ),
 )]
 pub(super) async fn create_motion(
     State(app): State<Arc<App>>,
     RobotOf(robot): RobotOf,
     Caller(principal): Caller,
+    control: Claim,
     prefer: Prefer,
     request_id: RequestId,
     headers: HeaderMap,
@@ -110,6 +112,7 @@ pub(super) async fn create_motion(
             not_after: Some(not_after),
         },
         claim: Some(claim),
+        control,
         begin_by,
         deadline,
         guard: Some(guard.clone()),

@@ -10,7 +10,7 @@ use utoipa::IntoParams;
 use uuid::Uuid;
 
 use crate::problem::{Problem, outcome_of_nothing_sent};
-use crate::state::{App, Robot, shown};
+use crate::state::{App, Cell, Robot, shown};
 
 /// The most motions of one page.
 pub(super) const MAX_PAGE: usize = 200;
@@ -39,6 +39,16 @@ pub(super) struct RobotPath {
     robot: String,
 }
 
+/// The header that says on whose behalf a robot is moved, for the OpenAPI document.
+#[derive(IntoParams)]
+#[into_params(parameter_in = Header)]
+#[expect(dead_code, reason = "the fields exist for their descriptions only")]
+pub(super) struct ControlHeader {
+    /// The `token` of the caller's control authority over the cell: `<lease>.<epoch>`.
+    #[param(rename = "Control-Token")]
+    control_token: String,
+}
+
 /// The robot a path names: `…/cells/{cell}/robots/{robot}…`.
 pub(super) struct RobotOf(pub(super) Arc<Robot>);
 
@@ -54,6 +64,12 @@ impl FromRequestParts<Arc<App>> for RobotOf {
             .map(|robot| Self(Arc::clone(robot)))
             .map_err(|problem| problem.outcome(outcome_of_nothing_sent(&parts.method)))
     }
+}
+
+/// The cell a path names.
+pub(crate) async fn cell_of<'a>(parts: &mut Parts, app: &'a App) -> Result<&'a Cell, Problem> {
+    let params = path_params(parts).await?;
+    app.cell(param(&params, "cell")?)
 }
 
 /// The cell id a path names.

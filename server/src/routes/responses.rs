@@ -81,3 +81,14 @@ pub(crate) enum LinkProblem {
     #[response(status = 504, content_type = "application/problem+json")]
     Timeout(Problem),
 }
+
+/// What is wrong without control of the cell. That it was lost is a 409 of each route's own.
+#[derive(IntoResponses)]
+pub(crate) enum ControlProblem {
+    /// `control-held`: somebody else has control of the cell; `control` says who, since when and until when.
+    #[response(status = 423, content_type = "application/problem+json")]
+    Held(Problem),
+    /// `control-required`: the request has no `Control-Token`.
+    #[response(status = 428, content_type = "application/problem+json")]
+    Required(Problem),
+}

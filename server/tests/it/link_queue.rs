@@ -99,8 +99,9 @@ async fn a_caller_that_goes_away_does_not_take_its_command_with_it() {
     let (robot, server) = held(4).await;
     let mut stream = TcpStream::connect(server.address).await.unwrap();
     let length = MOTION.len();
+    let control = server.control().await;
     let request = format!(
-        "POST {MOTIONS} HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\nidempotency-key: gone\r\ncontent-length: {length}\r\n\r\n{MOTION}"
+        "POST {MOTIONS} HTTP/1.1\r\nhost: localhost\r\ncontrol-token: {control}\r\ncontent-type: application/json\r\nidempotency-key: gone\r\ncontent-length: {length}\r\n\r\n{MOTION}"
     );
     stream.write_all(request.as_bytes()).await.unwrap();
     wait_until("the command is with the robot", || {

@@ -6,11 +6,14 @@
     reason = "helpers of tests: a failure here fails the test"
 )]
 
+mod access_matrix;
 mod bad_bodies;
 mod config;
+mod control;
 mod deltas;
 mod document;
 mod health;
+mod identity;
 mod kinematics;
 mod legacy_moves;
 mod link_failures;

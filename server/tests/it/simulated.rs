@@ -162,6 +162,9 @@ async fn take_command(mut stream: TcpStream, ledger: &Ledger, dice: &mut Dice) -
 /// Asks for one motion after the other while the network between server and robot misbehaves.
 async fn operate(told: Told, seed: u64) -> turmoil::Result {
     let mut dice = Dice(!seed);
+    let take = r#"{"station": "REMOTE", "ttl_s": 60, "reason": "a simulation"}"#;
+    let (_, taken) = send("/api/v1/cells/c1/control-authority", "take", "", take).await?;
+    let control = taken["token"].as_str().unwrap().to_owned();
     for speed in 1..=MOTIONS_A_SEED {
         let fault = async {
             sleep(Duration::from_millis(dice.roll(40))).await;
@@ -185,7 +188,7 @@ async fn operate(told: Told, seed: u64) -> turmoil::Result {
                 _ => {}
             }
         };
-        let ((), answer) = tokio::join!(fault, post(speed));
+        let ((), answer) = tokio::join!(fault, post(speed, &control));
         let (answer, motion) = answer?;
         if answer.outcome == "UNKNOWN" {
             decide(&motion, speed).await?;
@@ -198,9 +201,9 @@ async fn operate(told: Told, seed: u64) -> turmoil::Result {
 }
 
 /// The answer, and the motion it is about.
-async fn post(speed: u64) -> io::Result<(Answer, String)> {
+async fn post(speed: u64, control: &str) -> io::Result<(Answer, String)> {
     let body = MOTION.replace("200", &speed.to_string());
-    let (status, body) = send(MOTIONS, &format!("motion-{speed}"), &body).await?;
+    let (status, body) = send(MOTIONS, &format!("motion-{speed}"), control, &body).await?;
     let text = |name: &str| body[name].as_str().unwrap_or_default().to_owned();
     let answer = Answer {
         status,
@@ -213,15 +216,19 @@ async fn post(speed: u64) -> io::Result<(Answer, String)> {
 async fn decide(motion: &str, speed: u64) -> io::Result<()> {
     let path = format!("/api/v1/cells/c1/interventions/{motion}/respond");
     let body = r#"{"answer": "abort", "reason": "looked at it"}"#;
-    let (status, body) = send(&path, &format!("answer-{speed}"), body).await?;
+    let (status, body) = send(&path, &format!("answer-{speed}"), "", body).await?;
     assert_eq!(status, 200, "{body}");
     Ok(())
 }
 
-async fn send(path: &str, key: &str, body: &str) -> io::Result<(u16, Value)> {
+async fn send(path: &str, key: &str, control: &str, body: &str) -> io::Result<(u16, Value)> {
+    let control = match control {
+        "" => String::new(),
+        token => format!("control-token: {token}\r\n"),
+    };
     let mut stream = TcpStream::connect("server:8080").await?;
     let request = format!(
-        "POST {path} HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\ncontent-type: application/json\r\nidempotency-key: {key}\r\ncontent-length: {}\r\n\r\n{body}",
+        "POST {path} HTTP/1.1\r\nhost: localhost\r\n{control}connection: close\r\ncontent-type: application/json\r\nidempotency-key: {key}\r\ncontent-length: {}\r\n\r\n{body}",
         body.len()
     );
     stream.write_all(request.as_bytes()).await?;

@@ -3,8 +3,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use server::config::{CellSection, RobotSection, ServerSection};
+use server::identity::Identity;
 use server::{Connector, Plan, Seams, ServeError, SharedJournal, SystemClock, TcpConnector};
 use tokio::net::TcpListener;
+use tokio::sync::OnceCell;
 use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
 
@@ -23,6 +25,7 @@ pub(crate) struct TestServer {
     pub(crate) address: SocketAddr,
     pub(crate) stop: CancellationToken,
     pub(crate) task: JoinHandle<Result<(), ServeError>>,
+    control: OnceCell<String>,
 }
 
 impl TestServer {
@@ -51,7 +54,32 @@ impl TestServer {
             demo: true,
             ..section
         };
-        let plan = Plan::try_new(&section, &[cell]).unwrap();
+        Self::of(Plan::try_new(&section, &[cell]).unwrap(), connector).await
+    }
+
+    /// A server that asks callers for tokens.
+    pub(crate) async fn with_identity(robot: &FakeRobot, identity: Identity) -> Self {
+        let cell = CellSection {
+            id: "c1".to_owned(),
+            name: None,
+            robots: vec![robot_section(robot.address)],
+            setup: None,
+            push_urls: Default::default(),
+        };
+        let other = CellSection {
+            id: "c2".to_owned(),
+            ..cell.clone()
+        };
+        let section = ServerSection {
+            legacy_robot: Some("c1/r1".to_owned()),
+            ..ServerSection::default()
+        };
+        let plan = Plan::try_new(&section, &[cell, other]).unwrap();
+        let plan = plan.with_identity(identity).unwrap();
+        Self::of(plan, TcpConnector::default()).await
+    }
+
+    async fn of<C: Connector>(plan: Plan, connector: C) -> Self {
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = listener.local_addr().unwrap();
         let stop = CancellationToken::new();
@@ -65,6 +93,7 @@ impl TestServer {
             address,
             stop,
             task,
+            control: OnceCell::new(),
         }
     }
 
@@ -72,7 +101,7 @@ impl TestServer {
         client::request(self.address, "GET", path, &[], "").await
     }
 
-    /// Posts JSON, with a new key.
+    /// Posts JSON with a new key. Motions are asked for with control of the cell, which is taken for the first of them.
     pub(crate) async fn post(&self, path: &str, body: &str) -> HttpReply {
         self.post_with_key(path, &fresh_key(), body).await
     }
@@ -83,10 +112,51 @@ impl TestServer {
             ("content-type", "application/json"),
             ("idempotency-key", key),
         ];
-        client::request(self.address, "POST", path, &headers, body).await
+        self.request("POST", path, &headers, body).await
     }
 
+    async fn control_for(&self, path: &str) -> Option<&str> {
+        if path.ends_with("/motions") {
+            Some(self.control().await)
+        } else if path.starts_with("/fanuc/") {
+            self.control.get().map(String::as_str)
+        } else {
+            None
+        }
+    }
+
+    /// The token of control over the cell, taken for a minute.
+    pub(crate) async fn control(&self) -> &str {
+        let take = || async {
+            let body = r#"{"station": "REMOTE", "ttl_s": 60, "reason": "a test"}"#;
+            let headers = [("content-type", "application/json")];
+            let path = "/api/v1/cells/c1/control-authority";
+            let reply = client::request(self.address, "POST", path, &headers, body).await;
+            assert_eq!(reply.status, 201, "{reply:?}");
+            reply.json()["token"].as_str().unwrap().to_owned()
+        };
+        self.control.get_or_init(take).await
+    }
+
+    /// Sends a request; a motion is asked for with control of the cell, as [`Self::post`] does.
     pub(crate) async fn request(
+        &self,
+        method: &str,
+        path: &str,
+        headers: &[(&str, &str)],
+        body: &str,
+    ) -> HttpReply {
+        let mut headers = headers.to_vec();
+        let control = match method {
+            "POST" => self.control_for(path).await,
+            _ => None,
+        };
+        headers.extend(control.map(|token| ("control-token", token)));
+        self.bare(method, path, &headers, body).await
+    }
+
+    /// Sends a request as it is.
+    pub(crate) async fn bare(
         &self,
         method: &str,
         path: &str,

@@ -4,11 +4,13 @@ mod cell;
 mod client;
 mod connector;
 mod robot;
+mod secured;
 
 pub(crate) use cell::{MODEL, MOTION, MOTIONS, TestServer, robot_section};
 pub(crate) use client::HttpReply;
 pub(crate) use connector::{Attempt, ScriptedNetwork};
 pub(crate) use robot::{ACCEPTED, Act, FakeRobot};
+pub(crate) use secured::{Secured, control_of};
 
 use std::time::{Duration, Instant};
 
