@@ -145,7 +145,8 @@ impl<'a> Follower<'a> {
     fn needed(&self, finding: Finding) -> Duration {
         let scaled = match finding {
             Finding::NotTaken { .. } => self.plan.drain(),
-            Finding::Unfinished
+            Finding::Forgotten { .. }
+            | Finding::Unfinished
             | Finding::PoseMismatch { .. }
             | Finding::OutputMismatch { .. }
             | Finding::Restarted { .. }
@@ -158,7 +159,8 @@ impl<'a> Follower<'a> {
         let error = finding.into_error(self.open.number);
         match finding {
             Finding::NotTaken { .. } => MotionEnd::NotSent { error },
-            Finding::Unfinished
+            Finding::Forgotten { .. }
+            | Finding::Unfinished
             | Finding::PoseMismatch { .. }
             | Finding::OutputMismatch { .. }
             | Finding::Restarted { .. }
@@ -177,7 +179,10 @@ impl Settling {
         if !self.finding.same_kind(finding) {
             return false;
         }
-        if matches!(finding, Finding::NotTaken { .. }) {
+        if matches!(
+            finding,
+            Finding::NotTaken { .. } | Finding::Forgotten { .. }
+        ) {
             return true;
         }
         let (apart, turned) = poses_apart(&self.first.pose, &status.pose);
