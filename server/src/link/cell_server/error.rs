@@ -237,9 +237,10 @@ impl LinkError {
 
     /// What a stop that failed with this does all the same.
     pub(crate) fn stop_effect(&self) -> Option<StopEffect> {
-        match self {
-            Self::StopUnconfirmed { effect, .. } => Some(*effect),
-            _ => None,
+        if let Self::StopUnconfirmed { effect, .. } = self {
+            Some(*effect)
+        } else {
+            None
         }
     }
 

@@ -33,6 +33,7 @@ struct Running {
     number: MotionNumber,
     command: Command,
     from: (WirePose, WireJoints),
+    duration: Duration,
     /// How much of it was done when `since` began.
     done: Duration,
     /// Since when it moves; `None` while it does not.
@@ -100,7 +101,7 @@ impl Brain {
         let stops_at = self.heartbeat + DEAD_MAN;
         let arrives_at = running
             .since
-            .map(|since| since + (self.duration - running.done));
+            .map(|since| since + running.duration.saturating_sub(running.done));
         match arrives_at {
             Some(arrives) if arrives <= now && arrives <= stops_at => {
                 self.finish(FinishStatus::Arrived, arrives);
@@ -116,7 +117,7 @@ impl Brain {
 
     fn place(&mut self, running: &Running, now: Instant) {
         let done = running.done + running.since.map_or(Duration::ZERO, |since| now - since);
-        let share = (done.as_secs_f64() / self.duration.as_secs_f64()).min(1.0);
+        let share = (done.as_secs_f64() / running.duration.as_secs_f64()).min(1.0);
         let (from_pose, from_joints) = running.from;
         match running.command {
             Command::Move(Move::Joint { pose, .. } | Move::Linear { pose, .. }) => {
@@ -214,6 +215,7 @@ impl Brain {
                 number,
                 command: request.command,
                 from: (status.pose, status.joints),
+                duration: self.duration,
                 done: Duration::ZERO,
                 since: (status.speed_override > 0).then_some(now),
             });

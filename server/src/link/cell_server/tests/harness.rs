@@ -132,7 +132,7 @@ impl Harness {
 
     pub(super) async fn until(&self, what: &str, wanted: impl Fn(&ControllerView) -> bool) {
         let mut watch = self.link.watch();
-        let waited = timeout(Duration::from_secs(60), watch.wait_for(|view| wanted(view))).await;
+        let waited = timeout(Duration::from_mins(1), watch.wait_for(|view| wanted(view))).await;
         assert!(
             waited.is_ok(),
             "timed out waiting until {what}; last: {:?}",
@@ -143,19 +143,6 @@ impl Harness {
     pub(super) async fn until_state(&self, state: LinkState) {
         self.until(&format!("{state:?}"), |view| view.state == state)
             .await;
-    }
-
-    /// Lets virtual time pass until the fake is as wanted.
-    pub(super) async fn until_fake(&self, what: &str, wanted: impl Fn(&Fake) -> bool) {
-        let started = Instant::now();
-        while !wanted(&self.fake) {
-            assert!(
-                started.elapsed() < Duration::from_secs(60),
-                "timed out waiting until {what}; {:?}",
-                self.fake.ledger()
-            );
-            tokio::time::sleep(Duration::from_millis(5)).await;
-        }
     }
 
     /// Numbers and queues a command, as the door of the motion service does.
@@ -204,7 +191,7 @@ impl Harness {
                 news.await;
             }
         };
-        timeout(Duration::from_secs(120), wait)
+        timeout(Duration::from_mins(2), wait)
             .await
             .unwrap_or_else(|_| {
                 panic!(
@@ -234,7 +221,7 @@ impl Harness {
             }
         };
         assert!(
-            timeout(Duration::from_secs(60), wait).await.is_ok(),
+            timeout(Duration::from_mins(1), wait).await.is_ok(),
             "timed out waiting until {motion} is {step}"
         );
     }

@@ -9,7 +9,7 @@ use super::harness::{Harness, arrived, output, to, to_joints};
 use super::serve::{Fault, Status};
 use crate::link::cell_server::MotionEnd;
 
-/// SplitMix64: a seed is a schedule.
+/// `SplitMix64`: a seed is a schedule.
 struct Random(u64);
 
 impl Random {
@@ -117,10 +117,10 @@ async fn whatever_goes_wrong_nothing_moves_twice_or_behind_a_fence_and_arrived_i
         }
         for motion in motions {
             match &*cell.end(motion).await {
-                end if arrived(end) => arrivals += 1,
+                MotionEnd::Arrived { .. } => arrivals += 1,
                 MotionEnd::InDoubt { .. } => doubts += 1,
                 MotionEnd::Interrupted { .. } => interrupted += 1,
-                _ => refused += 1,
+                MotionEnd::Rejected { .. } | MotionEnd::NotSent { .. } => refused += 1,
             }
         }
         cell.judge();

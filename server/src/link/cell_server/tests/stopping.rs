@@ -129,7 +129,7 @@ async fn a_stop_does_not_wait_behind_a_slow_answer() {
 async fn a_stop_that_cannot_be_delivered_says_what_it_does_all_the_same() {
     let cell = Harness::start().await;
     let (motion, _) = cell.submit(to(100.0));
-    let (queued, number) = cell.submit_until(to(50.0), Duration::from_secs(60));
+    let (queued, number) = cell.submit_until(to(50.0), Duration::from_mins(1));
     cell.until_step(motion, "executing").await;
     cell.fake.set_status(Status::Refused);
     cell.fake.cut();
@@ -189,7 +189,7 @@ async fn a_motion_on_hold_is_waited_for_and_goes_on() {
     cell.until_step(motion, "executing").await;
     let status = cell.link.hold().await.unwrap();
     assert!(status.held && !status.moving);
-    sleep(Duration::from_secs(60)).await;
+    sleep(Duration::from_mins(1)).await;
     assert!(cell.heard_no_end(motion));
     assert_eq!(cell.link.view().not_ready, Some(NotReady::Held));
     let status = cell.link.resume().await.unwrap();
