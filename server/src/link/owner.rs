@@ -312,7 +312,8 @@ impl<C: Connector> Task<C> {
                 bytes = self.received.len(),
                 "bytes followed the controller's reply; is another program answering?"
             ),
-            Drained::LeftOpen => tracing::warn!(
+            // Some controllers close their end only when the client does; nothing is wrong with the command.
+            Drained::LeftOpen => tracing::info!(
                 robot.id = self.owner.plan.id,
                 request_id,
                 "the controller left the connection open after its reply"

@@ -74,6 +74,13 @@ pub(crate) enum LinkError {
         "the controller was started again while the motion was in flight: boot {was}, now {is}"
     )]
     Restarted { was: u32, is: u32 },
+    #[error(
+        "the controller had accepted {number}, and now says that its last command is {accepted}"
+    )]
+    Forgotten {
+        number: MotionNumber,
+        accepted: MotionNumber,
+    },
     #[error("the motion was accepted, and the arm stands still without its having finished")]
     Unfinished,
     #[error(
@@ -157,6 +164,7 @@ impl LinkError {
             | Self::StopUnconfirmed { .. }
             | Self::Lost { .. }
             | Self::Restarted { .. }
+            | Self::Forgotten { .. }
             | Self::Unfinished
             | Self::PoseMismatch { .. }
             | Self::OutputMismatch { .. }
@@ -189,6 +197,7 @@ impl LinkError {
             Self::Unconfirmed { .. }
             | Self::Lost { .. }
             | Self::Restarted { .. }
+            | Self::Forgotten { .. }
             | Self::Unfinished
             | Self::PoseMismatch { .. }
             | Self::OutputMismatch { .. }
@@ -215,7 +224,7 @@ impl LinkError {
             }
             Self::Busy => ProblemCode::ControllerBusy,
             Self::NotTaken { .. } => ProblemCode::ControllerRejected,
-            Self::RestartedBefore { .. } | Self::Restarted { .. } => {
+            Self::RestartedBefore { .. } | Self::Restarted { .. } | Self::Forgotten { .. } => {
                 ProblemCode::ControllerRestarted
             }
             Self::Unconfirmed { .. } | Self::Lost { .. } => ProblemCode::ControllerTimeout,
@@ -228,9 +237,10 @@ impl LinkError {
 
     /// What a stop that failed with this does all the same.
     pub(crate) fn stop_effect(&self) -> Option<StopEffect> {
-        match self {
-            Self::StopUnconfirmed { effect, .. } => Some(*effect),
-            _ => None,
+        if let Self::StopUnconfirmed { effect, .. } = self {
+            Some(*effect)
+        } else {
+            None
         }
     }
 
