@@ -78,6 +78,7 @@ pub(crate) struct Answer {
     call: Call,
     status: StatusCode,
     is_problem: bool,
+    etag: Option<String>,
     body: Vec<u8>,
 }
 
@@ -88,6 +89,7 @@ impl Answer {
         let mut answer = Self {
             status: response.status(),
             is_problem: is_problem(&response),
+            etag: etag(&response),
             call,
             body: Vec::new(),
         };
@@ -115,6 +117,19 @@ impl Answer {
 
     pub(crate) fn status(&self) -> StatusCode {
         self.status
+    }
+
+    /// The entity tag, which the answer must have.
+    pub(crate) fn etag(&self) -> Result<String, ClientError> {
+        let etag = self.etag.clone();
+        etag.ok_or_else(|| ClientError::Protocol {
+            status: self.status.as_u16(),
+            reason: "no entity tag".to_owned(),
+            excerpt: excerpt(&self.body),
+            outcome: self.call.outcome_in_doubt(),
+            url: self.call.url.clone(),
+            request_id: self.call.request_id.clone(),
+        })
     }
 
     /// This answer, if its status says yes.
@@ -183,6 +198,11 @@ impl Answer {
             request_id: self.call.request_id,
         }
     }
+}
+
+fn etag(response: &Response) -> Option<String> {
+    let value = response.headers().get(header::ETAG)?;
+    value.to_str().ok().map(str::to_owned)
 }
 
 fn is_problem(response: &Response) -> bool {

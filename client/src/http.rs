@@ -2,13 +2,13 @@
 
 use std::time::Duration;
 
-use reqwest::{Method, RequestBuilder, StatusCode, Url};
+use reqwest::{Method, RequestBuilder, StatusCode, Url, header};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use uuid::Uuid;
 
-use crate::ClientError;
 use crate::answer::{Answer, Call};
+use crate::{ClientError, Tagged};
 
 /// How long an idle connection is kept. Servers close theirs after some seconds; a command that meets such a close on its
 /// way would be in doubt for nothing.
@@ -114,6 +114,10 @@ impl Http {
         self.exchange(Method::PUT, path, effect)
     }
 
+    pub(crate) fn delete(&self, path: &[&str], effect: Effect) -> Exchange {
+        self.exchange(Method::DELETE, path, effect)
+    }
+
     fn exchange(&self, method: Method, path: &[&str], effect: Effect) -> Exchange {
         let mut url = self.base.clone();
         // Only URLs that cannot be a base (`mailto:`) have no segments, and `new` admits none of those.
@@ -172,6 +176,46 @@ impl Exchange {
     pub(crate) fn body<T: Serialize + ?Sized>(mut self, body: &T) -> Self {
         self.request = self.request.json(body);
         self
+    }
+
+    /// A body that is text already.
+    pub(crate) fn text_body(mut self, media_type: &'static str, text: String) -> Self {
+        self.request = self
+            .request
+            .header(header::CONTENT_TYPE, media_type)
+            .body(text);
+        self
+    }
+
+    pub(crate) fn accept(mut self, media_type: &'static str) -> Self {
+        self.request = self.request.header(header::ACCEPT, media_type);
+        self
+    }
+
+    /// The entity tag that a change is based on.
+    pub(crate) fn if_match(mut self, etag: &str) -> Self {
+        self.request = self.request.header(header::IF_MATCH, etag);
+        self
+    }
+
+    /// Sends the request and reads a JSON answer with its entity tag.
+    pub(crate) async fn tagged_json<T: DeserializeOwned>(self) -> Result<Tagged<T>, ClientError> {
+        let answer = self.send().await?.success()?;
+        let etag = answer.etag()?;
+        Ok(Tagged {
+            etag,
+            value: answer.json()?,
+        })
+    }
+
+    /// Sends the request and reads a text answer with its entity tag.
+    pub(crate) async fn tagged_text(self) -> Result<Tagged<String>, ClientError> {
+        let answer = self.send().await?.success()?;
+        let etag = answer.etag()?;
+        Ok(Tagged {
+            etag,
+            value: answer.text()?,
+        })
     }
 
     /// Sends the request and reads a JSON answer.

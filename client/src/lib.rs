@@ -6,6 +6,7 @@
 //!
 //! ```text
 //! Client ──── cells, version, health, metrics, the thesis's own routes
+//!   ├─ CellSetup ── export, import, check, parts, teach, calibrate
 //!   ├─ Robot ── description, state, forward, inverse, motions
 //!   └─ MobileRobotClient ── state, signals, outbox
 //! EmulatorClient ── state, ledger, alarms
@@ -42,6 +43,7 @@ mod mobile;
 mod panel;
 mod robot;
 mod server;
+mod setup;
 
 pub use answer::MAX_ANSWER_BYTES;
 pub use emulator::EmulatorClient;
@@ -53,3 +55,4 @@ pub use panel::{
 };
 pub use robot::{Ask, Page, Robot};
 pub use server::Client;
+pub use setup::{CellSetup, SetupForm, SetupText, Tagged};

@@ -2,7 +2,7 @@ use api::{CellSummary, LegacyVersion, Liveness, Readiness, RobotSummary};
 use reqwest::StatusCode;
 
 use crate::http::{Effect, Exchange, Http};
-use crate::{ClientError, Robot, Timeouts};
+use crate::{CellSetup, ClientError, Robot, Timeouts};
 
 /// The server's HTTP API. Cheap to clone.
 ///
@@ -46,6 +46,12 @@ impl Client {
     #[must_use]
     pub fn robot(&self, cell: &str, robot: &str) -> Robot {
         Robot::new(self.http.clone(), cell, robot)
+    }
+
+    /// The operator's set-up of one cell. Nothing is sent.
+    #[must_use]
+    pub fn setup(&self, cell: &str) -> CellSetup {
+        CellSetup::new(self.http.clone(), cell)
     }
 
     /// Every cell with its robots.

@@ -19,8 +19,8 @@ use nalgebra::{Isometry3, Translation3};
 use units::Millimeters;
 
 use super::geometry::DockPose;
-use super::model::{Arm, Place, Route, Setup, Site, Taught};
-use super::path::{Closest, closest, joint_path, least_inside};
+use super::model::{Arm, Place, Route, Setup, Site, Taught, Zone};
+use super::path::{Closest, bodies, closest, joint_path, least_inside};
 use super::resolve::{Dock, Resolved, reach};
 use crate::wire_bodies::shown;
 
@@ -137,8 +137,9 @@ impl Setup {
         for joints in samples {
             planner.joints(arm, joints);
         }
+        let bodies = bodies(arm, samples);
         let keep_out = self.zones_of(&arm.id, ZoneKind::KeepOut);
-        if let Some(found) = closest(arm, samples, keep_out) {
+        if let Some(found) = closest(&bodies, keep_out) {
             if found.gap.0 < 0.0 {
                 let message = format!(
                     "the arm enters the keep-out zone `{}` by {:.1} mm at {}",
@@ -154,7 +155,7 @@ impl Setup {
         let foreign = self
             .zones_of(&arm.id, ZoneKind::Handover)
             .filter(|zone| Some(zone.id.as_str()) != own);
-        if let Some(found) = closest(arm, samples, foreign).filter(|found| found.gap.0 < 0.0) {
+        if let Some(found) = closest(&bodies, foreign).filter(|found| found.gap.0 < 0.0) {
             let message = format!(
                 "the arm enters the hand-over zone `{}`, which this place has no part in, by {:.1} mm at {}",
                 found.zone,
@@ -164,7 +165,7 @@ impl Setup {
             planner.error(what, where_docked, message);
         }
         let work = self.zones_of(&arm.id, ZoneKind::Work);
-        if let Some(found) = least_inside(arm, samples, work) {
+        if let Some(found) = least_inside(&bodies, work) {
             if found.gap.0 < 0.0 {
                 let message = format!(
                     "the tool center point leaves the work area `{}` by {:.1} mm at {}",
@@ -233,9 +234,39 @@ impl Setup {
                     }
                 }
             }
+            self.stays_on_its_floor(&mut check, &robot.id, radius, &points);
         }
         check.findings.truncate(MOST_FINDINGS);
         check
+    }
+
+    /// Whether a mobile robot stays inside its work areas all along, with its whole footprint.
+    fn stays_on_its_floor(
+        &self,
+        check: &mut RouteCheck,
+        robot: &str,
+        radius: f64,
+        points: &[[f64; 2]],
+    ) {
+        let areas: Vec<_> = self.zones_of(robot, ZoneKind::Work).collect();
+        if areas.is_empty() {
+            return;
+        }
+        let legs = points.iter().zip(points.iter().skip(1));
+        for [x, y] in legs.flat_map(|(from, to)| along(*from, *to)) {
+            let inside = |zone: &&Zone| zone.bounds.holds_circle([x, y], radius);
+            if !areas.iter().any(inside) {
+                check.passed = false;
+                check.findings.push(CheckFinding {
+                    severity: Severity::Error,
+                    item: format!("routes/{}", check.route),
+                    message: format!(
+                        "`{robot}` leaves its work areas at x {x:.1}, y {y:.1} mm, measured at its corners"
+                    ),
+                });
+                return;
+            }
+        }
     }
 
     /// What belongs to no taught pose and no route.
@@ -267,7 +298,8 @@ impl Setup {
                 );
             }
             let handover = self.zones_of(&arm.id, ZoneKind::Handover);
-            let inside = closest(arm, &at_safe, handover).filter(|found| found.gap.0 < 0.0);
+            let inside =
+                closest(&bodies(arm, &at_safe), handover).filter(|found| found.gap.0 < 0.0);
             if let Some(inside) = inside {
                 found(
                     Severity::Error,
@@ -314,6 +346,22 @@ impl Setup {
         }
         reached.contains(&to)
     }
+}
+
+/// Points of a leg of a route, both ends included.
+fn along([x, y]: [f64; 2], [to_x, to_y]: [f64; 2]) -> Vec<[f64; 2]> {
+    const STEP_MM: f64 = 50.0;
+    let steps = ((to_x - x).hypot(to_y - y) / STEP_MM)
+        .ceil()
+        .clamp(1.0, 1e5);
+    let mut points = Vec::new();
+    let mut step = 0.0;
+    while step <= steps {
+        let share = step / steps;
+        points.push([x + (to_x - x) * share, y + (to_y - y) * share]);
+        step += 1.0;
+    }
+    points
 }
 
 /// Gathers what is found about one taught pose.

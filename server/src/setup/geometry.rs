@@ -30,9 +30,13 @@ impl ZoneBox {
     ///
     /// A convex function of the point, because the box is convex.
     pub(crate) fn distance(&self, point: &Point3<f64>) -> f64 {
-        let outside = (self.min - point).sup(&(point - self.max));
-        let beyond = outside.map(|along| along.max(0.0)).norm();
-        beyond + outside.max().min(0.0)
+        // By how much it is outside along each axis; negative inside.
+        let x = (self.min.x - point.x).max(point.x - self.max.x);
+        let y = (self.min.y - point.y).max(point.y - self.max.y);
+        let z = (self.min.z - point.z).max(point.z - self.max.z);
+        let (beyond_x, beyond_y, beyond_z) = (x.max(0.0), y.max(0.0), z.max(0.0));
+        let beyond = beyond_x * beyond_x + beyond_y * beyond_y + beyond_z * beyond_z;
+        beyond.sqrt() + x.max(y).max(z).min(0.0)
     }
 
     /// Whether a point is inside or on the surface.
@@ -44,12 +48,19 @@ impl ZoneBox {
     ///
     /// The distance is a convex function along the line, so narrowing down the interval finds its least value.
     pub(crate) fn gap(&self, capsule: &Capsule) -> (f64, Point3<f64>) {
-        let along = capsule.to - capsule.from;
-        let at = |t: f64| capsule.from + along * t;
+        let (from, along) = (capsule.from, capsule.to - capsule.from);
+        let at = |t: f64| {
+            Point3::new(
+                from.x + along.x * t,
+                from.y + along.y * t,
+                from.z + along.z * t,
+            )
+        };
         let value = |t: f64| self.distance(&at(t));
         let (mut low, mut high) = (0.0_f64, 1.0_f64);
         // Thousandths of a millimeter are enough; each step keeps two thirds.
-        while (high - low) * along.norm() > 1e-3 {
+        let enough = 1e-3 / along.norm().max(1e-3);
+        while high - low > enough {
             let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
             if value(a) <= value(b) {
                 high = b;
@@ -67,9 +78,22 @@ impl ZoneBox {
 
     /// A lower bound of [`Self::gap`], in one evaluation.
     pub(crate) fn gap_at_least(&self, capsule: &Capsule) -> f64 {
-        let middle = nalgebra::center(&capsule.from, &capsule.to);
-        let half = nalgebra::distance(&capsule.from, &capsule.to) / 2.0;
+        let (from, to) = (capsule.from, capsule.to);
+        let middle = Point3::new(
+            f64::midpoint(from.x, to.x),
+            f64::midpoint(from.y, to.y),
+            f64::midpoint(from.z, to.z),
+        );
+        let half = (to - from).norm() / 2.0;
         self.distance(&middle) - half - capsule.radius
+    }
+
+    /// Whether a circle on the floor is inside, seen from above.
+    pub(crate) fn holds_circle(&self, [x, y]: [f64; 2], radius: f64) -> bool {
+        x - radius >= self.min.x
+            && x + radius <= self.max.x
+            && y - radius >= self.min.y
+            && y + radius <= self.max.y
     }
 
     /// The gap between a circle on the floor, swept up to a height and along a line, and the box; `None` where the box

@@ -34,7 +34,9 @@ pub(crate) use calibrate::{Calibration, CalibrationError, MAX_RESIDUAL_MM, four_
 pub(crate) use document::{DocumentError, Form, parse_part, parse_setup, write_setup};
 pub(crate) use faults::Faults;
 pub use faults::SetupErrors;
+pub(crate) use geometry::DockPose;
 pub(crate) use model::Setup;
+pub(crate) use resolve::{Dock, ResolveError, Target};
 pub(crate) use resource::{Part, Resource, find, put, remove};
 pub use store::StoreError;
 pub(crate) use teach::flange_of_body;

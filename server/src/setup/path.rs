@@ -6,7 +6,7 @@ use nalgebra::Point3;
 use thiserror::Error;
 use units::Millimeters;
 
-use super::geometry::origin_of;
+use super::geometry::Capsule;
 use super::model::{Arm, Setup, Zone};
 
 /// No joint turns farther than this between two samples of a path in joint space, in degrees. At full reach that is
@@ -52,7 +52,7 @@ impl Setup {
         samples: &[PendantJoints],
     ) -> Result<(), KeepOutViolation> {
         let zones = self.zones_of(&arm.id, ZoneKind::KeepOut);
-        match closest(arm, samples, zones) {
+        match closest(&bodies(arm, samples), zones) {
             Some(Closest {
                 zone,
                 at,
@@ -69,10 +69,14 @@ impl Setup {
     }
 }
 
+/// The arm's body at each sample of a path.
+pub(crate) fn bodies(arm: &Arm, samples: &[PendantJoints]) -> Vec<[Capsule; 5]> {
+    samples.iter().map(|joints| arm.capsules(joints)).collect()
+}
+
 /// The zone that the arm comes closest to; `None` where there is no zone.
 pub(crate) fn closest<'a>(
-    arm: &Arm,
-    samples: &[PendantJoints],
+    bodies: &[[Capsule; 5]],
     zones: impl Iterator<Item = &'a Zone>,
 ) -> Option<Closest> {
     let zones: Vec<_> = zones.collect();
@@ -80,14 +84,14 @@ pub(crate) fn closest<'a>(
     if zones.is_empty() {
         return best;
     }
-    for (at, joints) in samples.iter().enumerate() {
-        for capsule in arm.capsules(joints) {
+    for (at, body) in bodies.iter().enumerate() {
+        for capsule in body {
             for zone in &zones {
                 let bound = best.as_ref().map_or(f64::INFINITY, |best| best.gap.0);
-                if zone.bounds.gap_at_least(&capsule) >= bound {
+                if zone.bounds.gap_at_least(capsule) >= bound {
                     continue;
                 }
-                let (gap, point) = zone.bounds.gap(&capsule);
+                let (gap, point) = zone.bounds.gap(capsule);
                 if gap < bound {
                     best = Some(Closest {
                         zone: zone.id.clone(),
@@ -105,13 +109,12 @@ pub(crate) fn closest<'a>(
 /// How far inside its work areas the arm's tool center point stays, at the sample where it is least; `None` where the
 /// arm has no work area. A tip inside several is as far inside as in the best of them.
 pub(crate) fn least_inside<'a>(
-    arm: &Arm,
-    samples: &[PendantJoints],
+    bodies: &[[Capsule; 5]],
     zones: impl Iterator<Item = &'a Zone>,
 ) -> Option<Closest> {
     let zones: Vec<_> = zones.collect();
-    let inside = samples.iter().enumerate().filter_map(|(at, joints)| {
-        let point = origin_of(&arm.tip(joints));
+    let inside = bodies.iter().enumerate().filter_map(|(at, [.., tool])| {
+        let point = tool.to;
         zones
             .iter()
             .map(|zone| Closest {

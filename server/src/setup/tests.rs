@@ -1,5 +1,10 @@
 //! Set-ups as operators write them, right and wrong.
 
-mod support;
-
+mod calibrating;
 mod checking;
+mod documents;
+mod keeping;
+mod refusing;
+mod resolving;
+mod support;
+mod teaching;

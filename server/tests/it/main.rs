@@ -21,5 +21,6 @@ mod link_queue;
 mod motions;
 mod refusals;
 mod serving;
+mod setup;
 mod simulated;
 mod support;

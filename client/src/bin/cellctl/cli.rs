@@ -3,7 +3,7 @@
 use clap::builder::NonEmptyStringValueParser;
 use clap::{Args, Parser, Subcommand};
 
-use crate::{delta, emulator, fk, home, ik, motions, move_to};
+use crate::{cell, delta, emulator, fk, home, ik, motions, move_to, teach};
 
 /// Drive a robot cell: move, look, calculate.
 ///
@@ -79,6 +79,8 @@ pub(crate) enum Command {
     Ik(ik::IkArgs),
     /// Show what the server knows of the robot now: link, pose, queue.
     State,
+    Cell(cell::CellArgs),
+    Teach(teach::TeachArgs),
     /// List the cells and their robots.
     Cells,
     /// Show what the robot is: arm, limits, home, frames, controller.

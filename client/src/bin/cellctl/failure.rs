@@ -18,6 +18,9 @@ pub(crate) enum Failure {
     /// The command line leaves open which robot is meant.
     #[error("{why}; say which one")]
     WhichRobot { why: String, all: Vec<String> },
+    /// The command line leaves open which cell is meant.
+    #[error("the server has {} cells; say which one", .all.len())]
+    WhichCell { all: Vec<String> },
     /// The command line asks for what cannot be.
     #[error("{0}")]
     Usage(String),
@@ -56,6 +59,7 @@ impl Failure {
                 Report::json(exit, &self.document(error.status(), error.request_id()))
             }
             Self::WhichRobot { .. }
+            | Self::WhichCell { .. }
             | Self::Usage(_)
             | Self::NoAcceptedTarget
             | Self::NotStill { .. } => Report::json(exit, &self.document(None, None)),
@@ -65,7 +69,7 @@ impl Failure {
     fn exit(&self) -> Exit {
         match self {
             Self::Client(error) => exit_of(error),
-            Self::WhichRobot { .. } | Self::Usage(_) => Exit::Usage,
+            Self::WhichRobot { .. } | Self::WhichCell { .. } | Self::Usage(_) => Exit::Usage,
             Self::NoAcceptedTarget => Exit::Refused,
             Self::NotStill { .. } => Exit::Link,
         }
@@ -74,7 +78,10 @@ impl Failure {
     fn outcome(&self) -> Outcome {
         match self {
             Self::Client(error) => error.outcome(),
-            Self::WhichRobot { .. } | Self::Usage(_) | Self::NoAcceptedTarget => Outcome::NotSent,
+            Self::WhichRobot { .. }
+            | Self::WhichCell { .. }
+            | Self::Usage(_)
+            | Self::NoAcceptedTarget => Outcome::NotSent,
             Self::NotStill { .. } => Outcome::None,
         }
     }
@@ -113,7 +120,7 @@ impl Failure {
                 )
             }
             Self::Client(_) | Self::Usage(_) | Self::NotStill { .. } => self.sentence(),
-            Self::WhichRobot { all, .. } => list(&self.sentence(), all),
+            Self::WhichRobot { all, .. } | Self::WhichCell { all } => list(&self.sentence(), all),
             Self::NoAcceptedTarget => {
                 format!(
                     "{}\nHint: move to an absolute pose, or home, first",

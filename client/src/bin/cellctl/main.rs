@@ -1,5 +1,6 @@
 //! `cellctl`: a robot cell from the command line.
 
+mod cell;
 mod cells;
 mod cli;
 mod context;
@@ -15,6 +16,7 @@ mod move_to;
 mod numbers;
 mod report;
 mod state;
+mod teach;
 mod text;
 
 use std::io::Write;
@@ -50,6 +52,8 @@ async fn run(cli: Cli) -> Result<Report, Failure> {
         Command::Fk(args) => fk::run(args, &context).await,
         Command::Ik(args) => ik::run(args, &context).await,
         Command::State => state::run(&context).await,
+        Command::Cell(args) => cell::run(args, &context).await,
+        Command::Teach(args) => teach::run(args, &context).await,
         Command::Cells => cells::run(&context).await,
         Command::Describe => describe::run(&context).await,
         Command::Motions(args) => motions::run(args, &context).await,

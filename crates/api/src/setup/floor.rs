@@ -52,10 +52,10 @@ pub struct PlanarPoseBody {
 #[serde(deny_unknown_fields)]
 pub struct DockToleranceBody {
     /// Along each axis of the dock's frame, in millimeters.
-    #[schema(minimum = 0, maximum = 500)]
+    #[schema(minimum = 0.1, maximum = 500)]
     pub position_mm: f64,
     /// In degrees.
-    #[schema(minimum = 0, maximum = 45)]
+    #[schema(minimum = 0.1, maximum = 45)]
     pub angle_deg: f64,
 }
 

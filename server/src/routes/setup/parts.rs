@@ -132,9 +132,8 @@ macro_rules! part_routes {
     ($($body:path, $what:tt, $path:tt, [$($param:tt)*], $named:ident => $resource:expr,
         $get:ident, $put:ident, $delete:ident;)*) => {
         $(
-            #[doc = concat!("Shows ", $what, ".")]
             #[utoipa::path(
-                get, path = $path, tag = "setup", params(("cell" = String, Path, description = "The cell's id."), $($param)*),
+                get, path = $path, summary = concat!("Shows ", $what, "."), tag = "setup", params(("cell" = String, Path, description = "The cell's id."), $($param)*),
                 responses(
                     (status = 200, description = "It.", body = $body,
                         headers(("etag" = String, description = "Of the whole set-up; for `If-Match`."))),
@@ -149,11 +148,10 @@ macro_rules! part_routes {
                 get_part::<$body>(&app, &$named, &resource)
             }
 
-            #[doc = concat!("Puts ", $what, " in, or in the place of the one with its id.")]
-            ///
-            /// The whole set-up must fit afterwards.
             #[utoipa::path(
-                put, path = $path, tag = "setup",
+                put, path = $path,
+                summary = concat!("Puts ", $what, " in, or in the place of the one with its id."),
+                description = "The whole set-up must fit afterwards.", tag = "setup",
                 params(("cell" = String, Path, description = "The cell's id."), $($param)*
                     ("if-match" = String, Header, description = "The entity tag the change is based on.")),
                 request_body = $body,
@@ -173,11 +171,9 @@ macro_rules! part_routes {
                 put_part::<$body>(&app, &$named, resource, &headers, request).await
             }
 
-            #[doc = concat!("Deletes ", $what, ".")]
-            ///
-            /// Refused, with the list, while other parts refer to it.
             #[utoipa::path(
-                delete, path = $path, tag = "setup",
+                delete, path = $path, summary = concat!("Deletes ", $what, "."),
+                description = "Refused, with the list, while other parts refer to it.", tag = "setup",
                 params(("cell" = String, Path, description = "The cell's id."), $($param)*
                     ("if-match" = String, Header, description = "The entity tag the change is based on.")),
                 responses(

@@ -15,8 +15,9 @@ use crate::setup::model::{
 use crate::setup::text::{check_id, check_name, check_place_id};
 use crate::state::shown;
 
-const TOLERANCE_MM: (f64, f64) = (0.0, 500.0);
-const TOLERANCE_DEG: (f64, f64) = (0.0, 45.0);
+// No dock is met exactly: a tolerance of nothing would refuse every mobile robot.
+const TOLERANCE_MM: (f64, f64) = (0.1, 500.0);
+const TOLERANCE_DEG: (f64, f64) = (0.1, 45.0);
 const FOOTPRINT_MM: (f64, f64) = (1.0, 10_000.0);
 
 pub(super) fn points(faults: &mut Faults, refs: &Refs<'_>, zones: &[Zone]) -> Vec<LoadPoint> {

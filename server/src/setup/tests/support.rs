@@ -8,6 +8,9 @@ use crate::setup::{Form, Setup, SetupErrors, parse_setup};
 /// The set-up of the demo cell.
 pub(super) const DEMO: &str = include_str!("../../../../cell/demo.setup.toml");
 
+/// Two arms and two mobile robots.
+pub(super) const PAIR: &str = include_str!("../../../../cell/pair.example.setup.toml");
+
 /// The robots `r1` and `r2`.
 pub(crate) fn robots() -> Vec<Arc<RobotPlan>> {
     let robot = |id: &str| RobotSection::new(id, "fanuc-m20ia", "127.0.0.1:1");
