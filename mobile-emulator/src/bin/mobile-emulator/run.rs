@@ -69,8 +69,8 @@ impl Run {
                 signal(SignalKind::interrupt()).context("listening for interrupts")?;
             let mut terminate =
                 signal(SignalKind::terminate()).context("listening for termination")?;
-            let robot = MobileRobot::start(&config, clock, &cell)
-                .with_context(|| format!("in {file}"))?;
+            let robot =
+                MobileRobot::start(&config, clock, &cell).with_context(|| format!("in {file}"))?;
             if let Some(address) = robot.view_address() {
                 tracing::info!("The robot's page is at http://{address}/.");
             }
