@@ -1,12 +1,18 @@
 //! What can go wrong with a mobile robot, on demand.
 
 use api::{FloorPoseBody, OperatingMode, SignalName};
-use serde::{Deserialize, Serialize};
+use serde::de::Error as _;
+use serde::ser::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::{Map, Value};
+use serde_path_to_error::Track;
 
 use crate::error::{Refusal, id, number};
 
 /// The most faults that are kept at a time.
 pub const MAX_FAULTS: usize = 64;
+/// The key that names the fault.
+const TAG: &str = "fault";
 /// A day.
 const MAX_S: f64 = 86_400.0;
 const MAX_MM: f64 = 1e6;
@@ -16,8 +22,9 @@ const MAX_MM: f64 = 1e6;
 /// A fault of a signal holds once, for the `nth` signal (the next, where absent) of that name (any, where absent)
 /// after it was set.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+// The shape is flat, `{"fault": "LATE", "delay_s": 1}`; see the impls below for why serde's own tag will not do.
 #[serde(
-    tag = "fault",
+    remote = "Self",
     rename_all = "SCREAMING_SNAKE_CASE",
     deny_unknown_fields
 )]
@@ -248,6 +255,46 @@ pub enum LostNumber {
     Unused,
     /// The cell sees a hole.
     Consumed,
+}
+
+/// Serde's internal tag forgets which key did not fit; here an error names it.
+impl<'de> Deserialize<'de> for Fault {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let mut keys = Map::deserialize(deserializer)?;
+        let Some(Value::String(name)) = keys.remove(TAG) else {
+            return Err(D::Error::custom("`fault` must name a fault, e.g. \"LATE\""));
+        };
+        let nested = Value::Object(Map::from_iter([(name.clone(), Value::Object(keys))]));
+        let mut track = Track::new();
+        let tracked = serde_path_to_error::Deserializer::new(nested, &mut track);
+        Fault::deserialize(tracked).map_err(|error| {
+            let path = track.path().to_string();
+            match path
+                .strip_prefix(&name)
+                .and_then(|key| key.strip_prefix('.'))
+            {
+                Some(key) => D::Error::custom(format!("{key}: {error}")),
+                None => D::Error::custom(error),
+            }
+        })
+    }
+}
+
+impl Serialize for Fault {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let nested = Fault::serialize(self, serde_json::value::Serializer);
+        let Value::Object(nested) = nested.map_err(S::Error::custom)? else {
+            return Err(S::Error::custom("a fault is an object"));
+        };
+        let mut flat = Map::new();
+        for (name, keys) in nested {
+            let _first = flat.insert(TAG.to_owned(), Value::String(name));
+            if let Value::Object(keys) = keys {
+                flat.extend(keys);
+            }
+        }
+        flat.serialize(serializer)
+    }
 }
 
 impl Fault {

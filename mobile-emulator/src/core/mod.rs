@@ -7,6 +7,9 @@ mod snapshot;
 mod talk;
 mod trouble;
 
+#[cfg(test)]
+mod tests;
+
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::Arc;
 use std::time::Duration;

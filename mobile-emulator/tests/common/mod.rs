@@ -46,6 +46,8 @@ struct Inner {
     /// Each once, in the order of their numbers.
     taken: Vec<SignalBody>,
     parked: Vec<SignalBody>,
+    /// Refused, and their numbers with them: (boot, seq).
+    refused: Vec<(u64, u64)>,
     outbox: Vec<OutboxMessage>,
     last_n: u64,
     polls: Vec<u64>,
@@ -189,7 +191,8 @@ impl Inner {
     fn judge(&mut self, signal: SignalBody) -> (StatusCode, SignalAnswer) {
         let of_boot = |known: &&SignalBody| known.boot == signal.boot;
         let last = self.taken.iter().filter(of_boot).map(|known| known.seq);
-        let last = last.max().unwrap_or(0);
+        let of_boot = self.refused.iter().filter(|(boot, _)| *boot == signal.boot);
+        let last = last.chain(of_boot.map(|(_, seq)| *seq)).max().unwrap_or(0);
         let mut answer = SignalAnswer {
             accepted: true,
             ..SignalAnswer::default()
@@ -225,7 +228,11 @@ async fn signal(
     if let Some(statuses) = inner.refusals.get_mut(&signal.signal)
         && !statuses.is_empty()
     {
-        return problem(statuses.remove(0));
+        let status = statuses.remove(0);
+        if matches!(status, 409 | 410 | 422) {
+            inner.refused.push((signal.boot, signal.seq));
+        }
+        return problem(status);
     }
     let (status, answer) = inner.judge(signal);
     if status == StatusCode::CONFLICT {
