@@ -3,6 +3,8 @@
 mod cells;
 mod cli;
 mod context;
+mod control;
+mod credentials;
 mod delta;
 mod describe;
 mod emulator;
@@ -10,12 +12,14 @@ mod failure;
 mod fk;
 mod home;
 mod ik;
+mod login;
 mod motions;
 mod move_to;
 mod numbers;
 mod report;
 mod state;
 mod text;
+mod tokens;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -42,7 +46,9 @@ async fn main() -> ExitCode {
 }
 
 async fn run(cli: Cli) -> Result<Report, Failure> {
-    let context = Context::new(cli.global)?;
+    // A login asks for its own, and must be possible where what is kept is of no use.
+    let wants_token = !matches!(cli.command, Command::Login | Command::Logout);
+    let context = Context::new(cli.global, wants_token)?;
     match cli.command {
         Command::Move(args) => move_to::run(args, &context).await,
         Command::Home(args) => home::run(args, &context).await,
@@ -53,6 +59,11 @@ async fn run(cli: Cli) -> Result<Report, Failure> {
         Command::Cells => cells::run(&context).await,
         Command::Describe => describe::run(&context).await,
         Command::Motions(args) => motions::run(args, &context).await,
+        Command::Control(args) => control::run(args, &context).await,
+        Command::Login => login::login(&context).await,
+        Command::Logout => login::logout(&context),
+        Command::Whoami => login::whoami(&context).await,
+        Command::Tokens(args) => tokens::run(args, &context).await,
         Command::Emulator(args) => emulator::run(args, &context).await,
     }
 }

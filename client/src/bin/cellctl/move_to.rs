@@ -1,6 +1,6 @@
 //! `cellctl move`: to a pose, or to joint values.
 
-use api::{Motion, MotionBody, MotionState, MotionType, PoseBody, TargetBody};
+use api::{ControlToken, Motion, MotionBody, MotionState, MotionType, PoseBody, TargetBody};
 use clap::{ArgGroup, Args};
 
 use crate::context::Context;
@@ -51,6 +51,9 @@ pub(crate) struct MotionArgs {
     /// Why, for the record.
     #[arg(long, value_name = "TEXT")]
     reason: Option<String>,
+    /// Control that was taken with `cellctl control take`. Where absent it is taken for this motion.
+    #[arg(long, value_name = "TOKEN", env = "ROBOCELL_CONTROL")]
+    control: Option<ControlToken>,
 }
 
 #[derive(Args, Debug)]
@@ -142,7 +145,9 @@ pub(crate) async fn send(
     context: &Context,
 ) -> Result<Report, Failure> {
     let robot = context.robot().await?;
-    let motion = robot
+    let why = args.reason.as_deref().unwrap_or("a motion by cellctl");
+    let (robot, held) = context.control_of(&robot, args.control, why).await?;
+    let sent = robot
         .create_motion(&MotionBody {
             motion_type,
             target,
@@ -150,7 +155,12 @@ pub(crate) async fn send(
             deadline_ms: args.deadline_ms,
             reason: args.reason,
         })
-        .await?;
+        .await;
+    if let Some(held) = held {
+        // It ends by itself soon, if it cannot be given back; what became of the motion is what matters.
+        let _given_back = held.release().await;
+    }
+    let motion = sent?;
     Ok(context.report(exit_of(motion.state), &motion, sentence))
 }
 
