@@ -44,6 +44,9 @@ pub enum ClientError {
         /// The id as given.
         id: String,
     },
+    /// The token given to [`crate::Client::with_token`] is none. It is not repeated here.
+    #[error("this is no token of a server: it must look like `cell_<id>_<secret>`")]
+    Token,
     /// No connection: nothing was sent.
     #[error("{url} cannot be reached")]
     Unreachable {
@@ -112,6 +115,7 @@ impl ClientError {
             Self::Invalid { .. }
             | Self::BaseUrl { .. }
             | Self::RequestId { .. }
+            | Self::Token
             | Self::Unreachable { .. } => Outcome::NotSent,
         }
     }
@@ -125,6 +129,7 @@ impl ClientError {
             Self::Invalid { .. } => Some(422),
             Self::BaseUrl { .. }
             | Self::RequestId { .. }
+            | Self::Token
             | Self::Unreachable { .. }
             | Self::Timeout { .. }
             | Self::Interrupted { .. } => None,
@@ -141,7 +146,10 @@ impl ClientError {
             | Self::Timeout { request_id, .. }
             | Self::Interrupted { request_id, .. }
             | Self::Protocol { request_id, .. } => Some(request_id),
-            Self::BaseUrl { .. } | Self::RequestId { .. } | Self::Unreachable { .. } => None,
+            Self::BaseUrl { .. }
+            | Self::RequestId { .. }
+            | Self::Token
+            | Self::Unreachable { .. } => None,
         }
     }
 
@@ -154,6 +162,7 @@ impl ClientError {
             | Self::Invalid { .. }
             | Self::BaseUrl { .. }
             | Self::RequestId { .. }
+            | Self::Token
             | Self::Unreachable { .. }
             | Self::Timeout { .. }
             | Self::Interrupted { .. }

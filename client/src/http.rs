@@ -2,7 +2,9 @@
 
 use std::time::Duration;
 
-use reqwest::{Method, RequestBuilder, StatusCode, Url, header};
+use api::{ControlToken, TokenSecret};
+use reqwest::header::{self, HeaderValue};
+use reqwest::{Method, RequestBuilder, StatusCode, Url};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use uuid::Uuid;
@@ -15,7 +17,10 @@ use crate::{ClientError, Tagged};
 const IDLE: Duration = Duration::from_secs(2);
 /// The longest id the server takes for its own.
 const MAX_REQUEST_ID: usize = 64;
+/// More than the longest token of a server.
+const MAX_TOKEN: usize = 200;
 pub(crate) const REQUEST_ID: &str = "x-request-id";
+const CONTROL_TOKEN: &str = "control-token";
 
 /// How long to wait for what.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,6 +60,8 @@ pub(crate) struct Http {
     inner: reqwest::Client,
     base: Url,
     request_id: Option<String>,
+    token: Option<HeaderValue>,
+    control: Option<ControlToken>,
     pub(crate) timeouts: Timeouts,
 }
 
@@ -85,6 +92,8 @@ impl Http {
             inner,
             base,
             request_id: None,
+            token: None,
+            control: None,
             timeouts,
         })
     }
@@ -100,6 +109,30 @@ impl Http {
             request_id: Some(request_id.to_owned()),
             ..self.clone()
         })
+    }
+
+    pub(crate) fn with_token(&self, token: &TokenSecret) -> Result<Self, ClientError> {
+        let text = token.reveal();
+        let legal = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'_';
+        let looks_like_one =
+            text.starts_with("cell_") && text.len() <= MAX_TOKEN && text.bytes().all(legal);
+        let mut value = HeaderValue::from_str(&format!("Bearer {text}"))
+            .ok()
+            .filter(|_| looks_like_one)
+            .ok_or(ClientError::Token)?;
+        // Debug does not show it then.
+        value.set_sensitive(true);
+        Ok(Self {
+            token: Some(value),
+            ..self.clone()
+        })
+    }
+
+    pub(crate) fn with_control(&self, token: ControlToken) -> Self {
+        Self {
+            control: Some(token),
+            ..self.clone()
+        }
     }
 
     pub(crate) fn get(&self, path: &[&str], effect: Effect) -> Exchange {
@@ -132,12 +165,19 @@ impl Http {
             Effect::Question => self.timeouts.question,
             Effect::Command(timeout) => timeout,
         };
+        let mut request = self
+            .inner
+            .request(method, url.clone())
+            .timeout(timeout)
+            .header(REQUEST_ID, &request_id);
+        if let Some(token) = &self.token {
+            request = request.header(header::AUTHORIZATION, token);
+        }
+        if let (Some(control), Effect::Command(_)) = (self.control, effect) {
+            request = request.header(CONTROL_TOKEN, control.to_string());
+        }
         Exchange {
-            request: self
-                .inner
-                .request(method, url.clone())
-                .timeout(timeout)
-                .header(REQUEST_ID, &request_id),
+            request,
             call: Call {
                 url: url.into(),
                 request_id,

@@ -6,6 +6,7 @@
 //!
 //! ```text
 //! Client ──── cells, version, health, metrics, the thesis's own routes
+//!   ├─ Control ── who may move the robots of a cell: take it, keep it, give it back
 //!   ├─ CellSetup ── export, import, check, parts, teach, calibrate
 //!   ├─ Robot ── description, state, forward, inverse, motions
 //!   └─ MobileRobotClient ── state, signals, outbox
@@ -17,10 +18,19 @@
 //!
 //! ```no_run
 //! # async fn example() -> Result<(), client::ClientError> {
-//! use api::{MotionBody, MotionType, PoseBody, TargetBody};
+//! use api::{AcquireBody, MotionBody, MotionType, PoseBody, Station, TargetBody};
 //!
 //! let client = client::Client::new("http://127.0.0.1:8080")?;
-//! let robot = client.robot("demo", "r1");
+//! // Whoever moves a robot holds control of its cell meanwhile.
+//! let terms = AcquireBody {
+//!     station: Station::Remote,
+//!     ttl_s: None,
+//!     loss_behavior: None,
+//!     reason: "an example".to_owned(),
+//!     preempt: false,
+//! };
+//! let control = client.control("demo").hold(&terms).await?;
+//! let robot = client.with_control(control.token()).robot("demo", "r1");
 //! let pose = PoseBody { x_mm: 600.0, y_mm: 200.0, z_mm: 600.0, w_deg: -180.0, p_deg: 30.0, r_deg: 0.0 };
 //! let motion = robot
 //!     .create_motion(&MotionBody {
@@ -30,11 +40,14 @@
 //!     })
 //!     .await?;
 //! assert_eq!(motion.state, api::MotionState::Accepted);
+//! let _view = control.release().await?;
 //! # Ok(())
 //! # }
 //! ```
 
+mod access;
 mod answer;
+mod control;
 mod emulator;
 mod error;
 mod http;
@@ -46,6 +59,7 @@ mod server;
 mod setup;
 
 pub use answer::MAX_ANSWER_BYTES;
+pub use control::{Control, HeldControl};
 pub use emulator::EmulatorClient;
 pub use error::ClientError;
 pub use http::Timeouts;

@@ -1,4 +1,6 @@
-use api::{CellSummary, LegacyVersion, Liveness, Readiness, RobotSummary};
+use api::{
+    CellSummary, ControlToken, LegacyVersion, Liveness, Readiness, RobotSummary, TokenSecret,
+};
 use reqwest::StatusCode;
 
 use crate::http::{Effect, Exchange, Http};
@@ -40,6 +42,22 @@ impl Client {
     pub fn with_request_id(&self, request_id: &str) -> Result<Self, ClientError> {
         let http = self.http.with_request_id(request_id)?;
         Ok(Self { http })
+    }
+
+    /// This client, with a token of the server. It goes in a header of each request and never into a log or an error.
+    ///
+    /// # Errors
+    /// [`ClientError::Token`] if no token of such a server looks like it.
+    pub fn with_token(&self, token: &TokenSecret) -> Result<Self, ClientError> {
+        let http = self.http.with_token(token)?;
+        Ok(Self { http })
+    }
+
+    /// This client, moving robots on behalf of a lease of control.
+    #[must_use]
+    pub fn with_control(&self, token: ControlToken) -> Self {
+        let http = self.http.with_control(token);
+        Self { http }
     }
 
     /// One robot of one cell. Nothing is sent: whether it exists is known at the first call.

@@ -85,6 +85,7 @@ fn refused(error: &ClientError) -> SendOutcome {
         ClientError::Invalid { .. }
         | ClientError::BaseUrl { .. }
         | ClientError::RequestId { .. }
+        | ClientError::Token
         | ClientError::Unreachable { .. }
         | ClientError::Timeout { .. }
         | ClientError::Interrupted { .. }

@@ -15,12 +15,17 @@ use axum::http::{Response, header};
 use serde_json::Value;
 use tokio::net::TcpListener;
 
+use crate::samples;
+
 /// A request as the fake saw it.
 #[derive(Clone, Debug)]
 pub(crate) struct Seen {
     pub(crate) line: String,
     pub(crate) request_id: Option<String>,
     pub(crate) body: Value,
+    /// The headers `authorization` and `control-token`.
+    pub(crate) token: Option<String>,
+    pub(crate) control: Option<String>,
 }
 
 /// What the fake answers.
@@ -45,19 +50,27 @@ type Script = Arc<dyn Fn(&Seen) -> Answer + Send + Sync>;
 pub(crate) struct Fake {
     address: SocketAddr,
     seen: Arc<Mutex<Vec<Seen>>>,
+    controls: Arc<Mutex<Vec<String>>>,
 }
+
+type Shared = (Script, Arc<Mutex<Vec<Seen>>>, Arc<Mutex<Vec<String>>>);
 
 impl Fake {
     pub(crate) async fn start(script: impl Fn(&Seen) -> Answer + Send + Sync + 'static) -> Self {
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = listener.local_addr().unwrap();
         let seen = Arc::new(Mutex::new(Vec::new()));
-        let state = (Arc::new(script) as Script, Arc::clone(&seen));
+        let controls = Arc::new(Mutex::new(Vec::new()));
+        let state: Shared = (Arc::new(script), Arc::clone(&seen), Arc::clone(&controls));
         let router = Router::new().fallback(answer).with_state(state);
         drop(tokio::spawn(
             async move { axum::serve(listener, router).await },
         ));
-        Self { address, seen }
+        Self {
+            address,
+            seen,
+            controls,
+        }
     }
 
     /// A fake that answers everything the same.
@@ -71,6 +84,11 @@ impl Fake {
 
     pub(crate) fn seen(&self) -> Vec<Seen> {
         self.seen.lock().unwrap().clone()
+    }
+
+    /// What was asked of control authority, which every fake grants.
+    pub(crate) fn controls(&self) -> Vec<String> {
+        self.controls.lock().unwrap().clone()
     }
 
     pub(crate) fn lines(&self) -> Vec<String> {
@@ -96,12 +114,18 @@ impl Fake {
 }
 
 async fn answer(
-    State((script, seen)): State<(Script, Arc<Mutex<Vec<Seen>>>)>,
+    State((script, seen, controls)): State<Shared>,
     request: Request,
 ) -> Response<Body> {
     let (head, body) = request.into_parts();
     let body = to_bytes(body, 1 << 20).await.unwrap();
+    let header = |name: &str| {
+        let value = head.headers.get(name)?;
+        Some(value.to_str().unwrap().to_owned())
+    };
     let request = Seen {
+        token: header("authorization"),
+        control: header("control-token"),
         line: format!("{} {}", head.method, head.uri),
         request_id: head
             .headers
@@ -109,9 +133,16 @@ async fn answer(
             .map(|id| id.to_str().unwrap().to_owned()),
         body: serde_json::from_slice(&body).unwrap_or(Value::Null),
     };
-    let answer = script(&request);
+    let is_control = request.line.contains("/control-authority");
+    let answer = match is_control {
+        true => Answer::Json(samples::control(request.line.starts_with("DELETE"))),
+        false => script(&request),
+    };
     let sent_id = request.request_id.clone();
-    seen.lock().unwrap().push(request);
+    match is_control {
+        true => controls.lock().unwrap().push(request.line),
+        false => seen.lock().unwrap().push(request),
+    }
     let id = match &answer {
         Answer::OfAnother(id) => Some((*id).to_owned()),
         Answer::Json(_) | Answer::Problem(_) => sent_id,

@@ -1,5 +1,6 @@
 //! The library and the real `cellctl` binary against a server that answers what the test says.
 
+mod cellctl_access;
 mod cellctl_answers;
 mod cellctl_emulator;
 mod cellctl_failures;

@@ -24,6 +24,18 @@ pub(crate) fn motion(state: &str) -> Value {
     })
 }
 
+/// The lease every fake grants, or the view after it was given back.
+pub(crate) fn control(given_back: bool) -> Value {
+    if given_back {
+        return json!({"cell": "demo", "jobs_may_act": true, "epoch": 7});
+    }
+    json!({
+        "token": format!("{MOTION_ID}.7"), "lease": MOTION_ID, "epoch": 7, "holder": "demo", "station": "REMOTE",
+        "reason": "a test", "since": "2026-01-02T03:04:05Z", "expires": "2026-01-02T03:04:15Z", "ttl_s": 10,
+        "loss_behavior": "STOP_1",
+    })
+}
+
 pub(crate) fn cells(robots: &[&str]) -> Value {
     let robots: Vec<Value> = robots
         .iter()

@@ -1,9 +1,11 @@
 //! The command line: every word of it, and its help.
 
+use std::path::PathBuf;
+
 use clap::builder::NonEmptyStringValueParser;
 use clap::{Args, Parser, Subcommand};
 
-use crate::{cell, delta, emulator, fk, home, ik, motions, move_to, teach};
+use crate::{cell, control, delta, emulator, fk, home, ik, motions, move_to, teach, tokens};
 
 /// Drive a robot cell: move, look, calculate.
 ///
@@ -61,6 +63,9 @@ pub(crate) struct Global {
         value_name = "URL"
     )]
     pub(crate) emulator: String,
+    /// A file with the token to use, yours alone to read. Else ROBOCELL_TOKEN, else what `cellctl login` kept.
+    #[arg(long, global = true, env = "ROBOCELL_TOKEN_FILE", value_name = "FILE")]
+    pub(crate) token_file: Option<PathBuf>,
     /// Give up on an answer after this many milliseconds. A command given up on may have been carried out.
     #[arg(long, global = true, value_name = "MS", value_parser = clap::value_parser!(u64).range(1..=600_000))]
     pub(crate) timeout_ms: Option<u64>,
@@ -86,6 +91,14 @@ pub(crate) enum Command {
     /// Show what the robot is: arm, limits, home, frames, controller.
     Describe,
     Motions(motions::MotionsArgs),
+    Control(control::ControlArgs),
+    /// Keep a token for this server: asks for it, tries it, and stores it for you alone.
+    Login,
+    /// Forget the token kept for this server.
+    Logout,
+    /// Show who the server takes you for.
+    Whoami,
+    Tokens(tokens::TokensArgs),
     Emulator(emulator::EmulatorArgs),
 }
 

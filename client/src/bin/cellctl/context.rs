@@ -1,13 +1,15 @@
 //! What a subcommand works with: the server, the robot that is meant, the form of the answer.
 
+use std::path::Path;
 use std::time::Duration;
 
-use api::CellSummary;
-use client::{Client, EmulatorClient, Robot, Timeouts};
+use api::{AcquireBody, CellSummary, ControlToken, Station};
+use client::{Client, EmulatorClient, HeldControl, Robot, Timeouts};
 use serde::Serialize;
 use uuid::Uuid;
 
 use crate::cli::Global;
+use crate::credentials;
 use crate::failure::Failure;
 use crate::report::{Exit, Report};
 
@@ -20,9 +22,16 @@ pub(crate) struct Context {
 }
 
 impl Context {
-    pub(crate) fn new(global: Global) -> Result<Self, Failure> {
-        let client = Client::with_timeouts(&global.server, timeouts(&global))?
+    /// With the token there is for the server, where one is wanted.
+    pub(crate) fn new(global: Global, wants_token: bool) -> Result<Self, Failure> {
+        let mut client = Client::with_timeouts(&global.server, timeouts(&global))?
             .with_request_id(&Uuid::now_v7().to_string())?;
+        if wants_token
+            && let Some(token) =
+                credentials::token_for(&global.server, global.token_file.as_deref())?
+        {
+            client = client.with_token(&token)?;
+        }
         Ok(Self { client, global })
     }
 
@@ -31,23 +40,6 @@ impl Context {
         let emulator =
             EmulatorClient::with_timeouts(&self.global.emulator, timeouts(&self.global))?;
         Ok(emulator)
-    }
-
-    /// The cell that is meant: the one named, or the only one there is.
-    pub(crate) async fn cell(&self) -> Result<String, Failure> {
-        if let Some(cell) = &self.global.cell {
-            return Ok(cell.clone());
-        }
-        let cells = self.client.cells().await?;
-        match &*cells {
-            [only] => Ok(only.id.clone()),
-            cells => Err(Failure::WhichCell {
-                all: cells
-                    .iter()
-                    .map(|cell| format!("--cell {}", cell.id))
-                    .collect(),
-            }),
-        }
     }
 
     /// The robot that is meant: the one named, or the only one there is.
@@ -61,6 +53,58 @@ impl Context {
         };
         let (cell, robot) = only_robot(&cells, self.global.robot.as_deref())?;
         Ok(self.client.robot(cell, robot))
+    }
+
+    /// The cell that is meant: the one named, or the only one there is.
+    pub(crate) async fn cell(&self) -> Result<String, Failure> {
+        if let Some(cell) = &self.global.cell {
+            return Ok(cell.clone());
+        }
+        let cells = self.client.cells().await?;
+        match cells.as_slice() {
+            [only] => Ok(only.id.clone()),
+            several => Err(Failure::Which {
+                why: format!("the server has {} cells", several.len()),
+                all: several
+                    .iter()
+                    .map(|cell| format!("--cell {}", cell.id))
+                    .collect(),
+            }),
+        }
+    }
+
+    /// The server's address, as it was given.
+    pub(crate) fn server(&self) -> &str {
+        &self.global.server
+    }
+
+    pub(crate) fn token_file(&self) -> Option<&Path> {
+        self.global.token_file.as_deref()
+    }
+
+    /// Takes control of a robot's cell, or uses what was taken before.
+    pub(crate) async fn control_of(
+        &self,
+        robot: &Robot,
+        token: Option<ControlToken>,
+        reason: &str,
+    ) -> Result<(Robot, Option<HeldControl>), Failure> {
+        let (token, held) = match token {
+            Some(token) => (token, None),
+            None => {
+                let body = AcquireBody {
+                    station: Station::Remote,
+                    ttl_s: None,
+                    loss_behavior: None,
+                    reason: reason.to_owned(),
+                    preempt: false,
+                };
+                let held = self.client.control(robot.cell()).hold(&body).await?;
+                (held.token(), Some(held))
+            }
+        };
+        let client = self.client.with_control(token);
+        Ok((client.robot(robot.cell(), robot.id()), held))
     }
 
     /// An answer, as JSON or as text for people.
@@ -112,7 +156,7 @@ fn only_robot<'a>(
                 (None, None) => "the server has no robot".to_owned(),
                 (Some(_), _) => "more than one robot could be meant".to_owned(),
             };
-            Err(Failure::WhichRobot { why, all })
+            Err(Failure::Which { why, all })
         }
     }
 }
@@ -147,7 +191,7 @@ mod tests {
     fn a_robot_is_never_guessed() {
         let cells = [cell("a", &["r1", "r2"]), cell("b", &["r1"])];
         for wanted in [None, Some("r1"), Some("r9")] {
-            let Err(Failure::WhichRobot { all, .. }) = only_robot(&cells, wanted) else {
+            let Err(Failure::Which { all, .. }) = only_robot(&cells, wanted) else {
                 panic!("{wanted:?} was guessed");
             };
             assert_eq!(all.len(), 3);

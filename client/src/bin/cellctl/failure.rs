@@ -15,12 +15,9 @@ pub(crate) enum Failure {
     /// The server could not be asked, or said no.
     #[error(transparent)]
     Client(#[from] ClientError),
-    /// The command line leaves open which robot is meant.
+    /// The command line leaves open which robot or cell is meant.
     #[error("{why}; say which one")]
-    WhichRobot { why: String, all: Vec<String> },
-    /// The command line leaves open which cell is meant.
-    #[error("the server has {} cells; say which one", .all.len())]
-    WhichCell { all: Vec<String> },
+    Which { why: String, all: Vec<String> },
     /// The command line asks for what cannot be.
     #[error("{0}")]
     Usage(String),
@@ -29,6 +26,9 @@ pub(crate) enum Failure {
         "the server knows no accepted target to count from: none yet, or a motion in doubt since"
     )]
     NoAcceptedTarget,
+    /// Control of the cell ended while it was to be kept.
+    #[error("control of the cell was lost: {0}")]
+    ControlLost(String),
     /// The arm did not come to rest in the time allowed.
     #[error("still not at rest after {seconds} s: {last}")]
     NotStill { seconds: f64, last: String },
@@ -58,10 +58,10 @@ impl Failure {
             Self::Client(error) => {
                 Report::json(exit, &self.document(error.status(), error.request_id()))
             }
-            Self::WhichRobot { .. }
-            | Self::WhichCell { .. }
+            Self::Which { .. }
             | Self::Usage(_)
             | Self::NoAcceptedTarget
+            | Self::ControlLost(_)
             | Self::NotStill { .. } => Report::json(exit, &self.document(None, None)),
         }
     }
@@ -69,8 +69,8 @@ impl Failure {
     fn exit(&self) -> Exit {
         match self {
             Self::Client(error) => exit_of(error),
-            Self::WhichRobot { .. } | Self::WhichCell { .. } | Self::Usage(_) => Exit::Usage,
-            Self::NoAcceptedTarget => Exit::Refused,
+            Self::Which { .. } | Self::Usage(_) => Exit::Usage,
+            Self::NoAcceptedTarget | Self::ControlLost(_) => Exit::Refused,
             Self::NotStill { .. } => Exit::Link,
         }
     }
@@ -78,11 +78,8 @@ impl Failure {
     fn outcome(&self) -> Outcome {
         match self {
             Self::Client(error) => error.outcome(),
-            Self::WhichRobot { .. }
-            | Self::WhichCell { .. }
-            | Self::Usage(_)
-            | Self::NoAcceptedTarget => Outcome::NotSent,
-            Self::NotStill { .. } => Outcome::None,
+            Self::Which { .. } | Self::Usage(_) | Self::NoAcceptedTarget => Outcome::NotSent,
+            Self::ControlLost(_) | Self::NotStill { .. } => Outcome::None,
         }
     }
 
@@ -119,8 +116,10 @@ impl Failure {
                     self.sentence()
                 )
             }
-            Self::Client(_) | Self::Usage(_) | Self::NotStill { .. } => self.sentence(),
-            Self::WhichRobot { all, .. } | Self::WhichCell { all } => list(&self.sentence(), all),
+            Self::Client(_) | Self::Usage(_) | Self::ControlLost(_) | Self::NotStill { .. } => {
+                self.sentence()
+            }
+            Self::Which { all, .. } => list(&self.sentence(), all),
             Self::NoAcceptedTarget => {
                 format!(
                     "{}\nHint: move to an absolute pose, or home, first",
@@ -152,7 +151,9 @@ fn exit_of(error: &ClientError) -> Exit {
                 .status()
                 .is_some_and(|status| (400..500).contains(&status))
         }
-        ClientError::BaseUrl { .. } | ClientError::RequestId { .. } => return Exit::Usage,
+        ClientError::BaseUrl { .. } | ClientError::RequestId { .. } | ClientError::Token => {
+            return Exit::Usage;
+        }
         ClientError::Unreachable { .. }
         | ClientError::Timeout { .. }
         | ClientError::Interrupted { .. }

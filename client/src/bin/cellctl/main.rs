@@ -4,6 +4,8 @@ mod cell;
 mod cells;
 mod cli;
 mod context;
+mod control;
+mod credentials;
 mod delta;
 mod describe;
 mod emulator;
@@ -11,6 +13,7 @@ mod failure;
 mod fk;
 mod home;
 mod ik;
+mod login;
 mod motions;
 mod move_to;
 mod numbers;
@@ -18,6 +21,7 @@ mod report;
 mod state;
 mod teach;
 mod text;
+mod tokens;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -44,7 +48,9 @@ async fn main() -> ExitCode {
 }
 
 async fn run(cli: Cli) -> Result<Report, Failure> {
-    let context = Context::new(cli.global)?;
+    // A login asks for its own, and must be possible where what is kept is of no use.
+    let wants_token = !matches!(cli.command, Command::Login | Command::Logout);
+    let context = Context::new(cli.global, wants_token)?;
     match cli.command {
         Command::Move(args) => move_to::run(args, &context).await,
         Command::Home(args) => home::run(args, &context).await,
@@ -57,6 +63,11 @@ async fn run(cli: Cli) -> Result<Report, Failure> {
         Command::Cells => cells::run(&context).await,
         Command::Describe => describe::run(&context).await,
         Command::Motions(args) => motions::run(args, &context).await,
+        Command::Control(args) => control::run(args, &context).await,
+        Command::Login => login::login(&context).await,
+        Command::Logout => login::logout(&context),
+        Command::Whoami => login::whoami(&context).await,
+        Command::Tokens(args) => tokens::run(args, &context).await,
         Command::Emulator(args) => emulator::run(args, &context).await,
     }
 }

@@ -2,7 +2,9 @@
 
 use std::time::Duration;
 
-use api::{Completion, Motion, MotionBody, MotionState, MotionType, PoseBody, TargetBody};
+use api::{
+    Completion, ControlToken, Motion, MotionBody, MotionState, MotionType, PoseBody, TargetBody,
+};
 use clap::builder::NonEmptyStringValueParser;
 use clap::{ArgGroup, Args};
 use client::Ask;
@@ -65,6 +67,9 @@ pub(crate) struct MotionArgs {
     /// Why, for the record.
     #[arg(long, value_name = "TEXT")]
     reason: Option<String>,
+    /// Control that was taken with `cellctl control take`. Where absent it is taken for this motion.
+    #[arg(long, value_name = "TOKEN", env = "ROBOCELL_CONTROL")]
+    control: Option<ControlToken>,
 }
 
 #[derive(Args, Debug)]
@@ -156,6 +161,8 @@ pub(crate) async fn send(
     context: &Context,
 ) -> Result<Report, Failure> {
     let robot = context.robot().await?;
+    let why = args.reason.as_deref().unwrap_or("a motion by cellctl");
+    let (robot, held) = context.control_of(&robot, args.control, why).await?;
     let body = MotionBody {
         target,
         speed_mm_s: args.percent.is_none().then_some(args.speed),
@@ -168,7 +175,12 @@ pub(crate) async fn send(
         key: args.key,
         wait: args.wait.map(Duration::from_secs),
     };
-    let motion = robot.ask_for_motion(&body, &ask).await?;
+    let sent = robot.ask_for_motion(&body, &ask).await;
+    if let Some(held) = held {
+        // It ends by itself soon, if it cannot be given back; what became of the motion is what matters.
+        let _given_back = held.release().await;
+    }
+    let motion = sent?;
     Ok(context.report(exit_of(motion.state), &motion, sentence))
 }
 

@@ -87,6 +87,8 @@ pub(super) fn link_plan(section: RobotSection) -> CellServerPlan {
         id: "c1".to_owned(),
         name: None,
         robots: vec![section],
+        setup: None,
+        push_urls: std::collections::BTreeMap::new(),
     };
     let plan = Plan::try_new(&ServerSection::default(), &[cell]).unwrap();
     let robot = &plan.cells[0].robots[0];
