@@ -298,9 +298,7 @@ impl Cell {
                     wait.fired = true;
                 }
                 if let TimerKey::Question { intervention } = timer {
-                    if let Some(wait) = self.live.timers.remove(timer) {
-                        drop(wait);
-                    }
+                    let _armed_anew = self.live.timers.remove(timer);
                     effects.push(Effect::Remind { intervention: *intervention });
                 }
                 if let TimerKey::Safe { arm } = timer {

@@ -1,7 +1,7 @@
 //! Jobs (SM-5) and their steps (SM-6).
 
-pub mod params;
-pub mod phase;
+pub(crate) mod params;
+pub(crate) mod phase;
 pub(crate) mod command;
 pub(crate) mod operations;
 pub(crate) mod plan;
@@ -231,11 +231,6 @@ pub(crate) struct Job {
 }
 
 impl Job {
-    /// The step whose operation this is.
-    pub(crate) fn step_of(&self, op: Uuid) -> Option<usize> {
-        self.steps.iter().position(|s| s.op == Some(op))
-    }
-
     pub(crate) fn step(&self, index: usize) -> Option<&Step> {
         self.steps.get(index)
     }
