@@ -31,10 +31,7 @@ impl Work<'_> {
         let name = format!("answer {answer:?}");
         allowed(&name, principal, reason)?;
         let Some(found) = self.cell.book.interventions.get(&id).cloned() else {
-            return Err(Refusal::Unknown {
-                what: "intervention",
-                id: id.to_string(),
-            });
+            return Err(Refusal::Unknown { what: "intervention", id: id.to_string() });
         };
         let decided = Decided {
             answer,
@@ -45,24 +42,15 @@ impl Work<'_> {
         if found.decided.as_ref() == Some(&decided) {
             return Ok(Reply::Unchanged);
         }
-        let conflict = |text: String| Refusal::Conflict {
-            command: name.clone(),
-            text,
-        };
+        let conflict = |text: String| Refusal::Conflict { command: name.clone(), text };
         if !found.is_open() {
             return Err(conflict("the question was decided or withdrawn".into()));
         }
         if !found.question.answers.contains(&answer) {
-            return Err(conflict(format!(
-                "allowed are {:?}",
-                found.question.answers
-            )));
+            return Err(conflict(format!("allowed are {:?}", found.question.answers)));
         }
         if principal.role < answer.needs() {
-            return Err(Refusal::Forbidden {
-                command: name,
-                needed: answer.needs(),
-            });
+            return Err(Refusal::Forbidden { command: name, needed: answer.needs() });
         }
         let question = found.question.clone();
         if question.session.is_some() {
@@ -81,18 +69,9 @@ impl Work<'_> {
         decided: Decided,
         principal: &Principal,
     ) -> Result<Reply, Refusal> {
-        let (answer, detail, reason) = (
-            decided.answer,
-            decided.detail.clone(),
-            decided.reason.clone(),
-        );
-        let why = Why::Human {
-            principal: principal.name.clone(),
-        };
-        let no = |text: String| Refusal::Conflict {
-            command: format!("answer {answer:?}"),
-            text,
-        };
+        let (answer, detail, reason) = (decided.answer, decided.detail.clone(), decided.reason.clone());
+        let why = Why::Human { principal: principal.name.clone() };
+        let no = |text: String| Refusal::Conflict { command: format!("answer {answer:?}"), text };
         // Whatever an answer needs is checked before it is written down.
         match (answer, &detail) {
             (Answer::Resume | Answer::Replan | Answer::Retreat, _) => {
@@ -105,9 +84,7 @@ impl Work<'_> {
                 let mut open = job.clone();
                 open.spec.mobile_robot = Some(mobile_robot.clone());
                 if self.cell.choose_mobile_robot(&open, None).is_none() {
-                    return Err(no(format!(
-                        "{mobile_robot} is not free, or has not the slots"
-                    )));
+                    return Err(no(format!("{mobile_robot} is not free, or has not the slots")));
                 }
             }
             (Answer::ChooseSlot, Detail::Place { place }) => {
@@ -116,19 +93,9 @@ impl Work<'_> {
                     return Err(no(format!("{place} is not free, not taught or not known")));
                 }
             }
-            (
-                Answer::SetCustody,
-                Detail::Custody {
-                    load,
-                    confirm,
-                    location,
-                },
-            ) => {
+            (Answer::SetCustody, Detail::Custody { load, confirm, location }) => {
                 if question.load.as_ref() != Some(load) {
-                    return Err(no(format!(
-                        "the question is about load {:?}",
-                        question.load
-                    )));
+                    return Err(no(format!("the question is about load {:?}", question.load)));
                 }
                 self.set_custody(load, location, confirm, principal, &reason)?;
                 // The statement itself withdrew the question; here it is an answer.
@@ -159,13 +126,8 @@ impl Work<'_> {
             }
             _ => {}
         }
-        self.emit(Fact::Answered {
-            intervention: question.id,
-            decided,
-        });
-        let Some(job) = self.job(job.id) else {
-            return Ok(Reply::Done);
-        };
+        self.emit(Fact::Answered { intervention: question.id, decided });
+        let Some(job) = self.job(job.id) else { return Ok(Reply::Done) };
         let job = &*job;
         match answer {
             Answer::Cancel | Answer::SendBack if job.state == JobState::Stopping => {
@@ -188,10 +150,7 @@ impl Work<'_> {
             Answer::DidNotHappen => {
                 if let Some(op) = question.op {
                     let text = format!("{}: {reason}", principal.name);
-                    self.emit(Fact::OpEnded {
-                        op,
-                        result: OpResult::NotExecuted { text },
-                    });
+                    self.emit(Fact::OpEnded { op, result: OpResult::NotExecuted { text } });
                 }
             }
             Answer::Retry => self.retry(job, question, &why, &reason),
@@ -207,9 +166,7 @@ impl Work<'_> {
             }
             Answer::AcceptMeasured => {
                 if let Some(session) = self.cell.session_of(job).cloned() {
-                    self.emit(Fact::MeasuredAccepted {
-                        session: session.id,
-                    });
+                    self.emit(Fact::MeasuredAccepted { session: session.id });
                     self.tell(&session, Message::Retry);
                 }
                 self.again(job, Phase::Dock);
@@ -299,36 +256,20 @@ impl Work<'_> {
     fn happened(&mut self, job: &Job, question: &Question) {
         let Some(op) = question.op else {
             // A rejected operation that a human carried out: its step is over, the rest follows from where the arm is.
-            let stuck = job
-                .steps
-                .iter()
-                .position(|s| s.state == StepState::Retriable);
+            let stuck = job.steps.iter().position(|s| s.state == StepState::Retriable);
             if let Some(step) = stuck {
-                self.step_to(
-                    job,
-                    step,
-                    StepState::Succeeded,
-                    "a human says that it happened",
-                );
+                self.step_to(job, step, StepState::Succeeded, "a human says that it happened");
             }
             return;
         };
-        let Some(found) = self.cell.book.ops.get(&op).cloned() else {
-            return;
-        };
+        let Some(found) = self.cell.book.ops.get(&op).cloned() else { return };
         let result = match &found.action {
             Action::Grip { action } => {
                 let close = *action == GripAction::Close;
-                OpResult::Gripped {
-                    closed: close,
-                    open: !close,
-                    part_present: close,
-                }
+                OpResult::Gripped { closed: close, open: !close, part_present: close }
             }
             Action::Move { .. } => OpResult::Arrived,
-            Action::Precheck { .. } => OpResult::Prechecked {
-                failures: Vec::new(),
-            },
+            Action::Precheck { .. } => OpResult::Prechecked { failures: Vec::new() },
         };
         let _reply = self.op_ended_by_hand(op, result);
     }
@@ -341,18 +282,10 @@ impl Work<'_> {
     /// Replan, resume: the operation in doubt is given up, and the step goes on from where the arm is.
     fn go_on_by_hand(&mut self, job: &Job, question: &Question, why: &Why, reason: &str) {
         if let Some(op) = question.op
-            && self
-                .cell
-                .book
-                .ops
-                .get(&op)
-                .is_some_and(|o| grip_of(&o.action).is_none())
+            && self.cell.book.ops.get(&op).is_some_and(|o| grip_of(&o.action).is_none())
         {
             let text = format!("planned again: {reason}");
-            self.emit(Fact::OpEnded {
-                op,
-                result: OpResult::Interrupted { text },
-            });
+            self.emit(Fact::OpEnded { op, result: OpResult::Interrupted { text } });
         }
         let Some(job) = self.job(job.id) else { return };
         self.put_steps_back(&job);
@@ -399,25 +332,15 @@ impl Work<'_> {
         {
             let to = StepState::Pending;
             let text = "a human lets it be tried again".to_owned();
-            self.emit(Fact::StepMoved {
-                job: job.id,
-                step,
-                to,
-                attempt: 0,
-                text,
-            });
+            self.emit(Fact::StepMoved { job: job.id, step, to, attempt: 0, text });
         }
     }
 
     fn retry(&mut self, job: &Job, question: &Question, why: &Why, reason: &str) {
         if question.fault == Fault::TransportFailed
             && let Some(mobile_robot) = job.mobile_robot.clone()
-            && let Some(transport) = self
-                .cell
-                .book
-                .mobiles
-                .get(&mobile_robot)
-                .and_then(|m| m.transport.clone())
+            && let Some(transport) =
+                self.cell.book.mobiles.get(&mobile_robot).and_then(|m| m.transport.clone())
         {
             self.resend_transport(&mobile_robot, &transport);
             self.again(job, Phase::Transport);
@@ -430,10 +353,7 @@ impl Work<'_> {
         }
         if question.fault == Fault::DockFailed {
             if let Some(session) = self.cell.session_of(job).cloned() {
-                self.emit(Fact::SessionRewound {
-                    session: session.id,
-                    to: Rewind::Dock,
-                });
+                self.emit(Fact::SessionRewound { session: session.id, to: Rewind::Dock });
                 self.tell(&session, Message::Retry);
             }
             self.again(job, Phase::Dock);
@@ -443,19 +363,11 @@ impl Work<'_> {
 
     /// F18: another place for the load in the gripper.
     fn go_elsewhere(&mut self, job: &Job, place: String) {
-        let waiting = job
-            .steps
-            .iter()
-            .position(|s| s.plan.phase == Phase::PlaceApproach && s.state == StepState::Running);
+        let waiting = job.steps.iter().position(|s| {
+            s.plan.phase == Phase::PlaceApproach && s.state == StepState::Running
+        });
         if let Some((index, item)) = waiting.and_then(|s| job.item_of(s)) {
-            self.redirect(
-                job,
-                index,
-                Item {
-                    place,
-                    ..item.clone()
-                },
-            );
+            self.redirect(job, index, Item { place, ..item.clone() });
         }
     }
 
@@ -466,39 +378,22 @@ impl Work<'_> {
     /// Nothing of the old plan goes on.
     fn drop_running(&mut self, job: &Job) {
         if job.compensation != Compensation::None {
-            self.emit(Fact::CompensationMoved {
-                job: job.id,
-                to: Compensation::None,
-            });
+            self.emit(Fact::CompensationMoved { job: job.id, to: Compensation::None });
         }
     }
 
     fn check_swap(&self, job: &Job, to: &str) -> Result<(), Refusal> {
         let no = |text: String| {
-            Err(Refusal::Conflict {
-                command: "answer SwapMobileRobot".into(),
-                text,
-            })
+            Err(Refusal::Conflict { command: "answer SwapMobileRobot".into(), text })
         };
         let Some(setup) = self.cell.setup.mobile_robot(to) else {
-            return Err(Refusal::Unknown {
-                what: "mobile robot",
-                id: to.to_owned(),
-            });
+            return Err(Refusal::Unknown { what: "mobile robot", id: to.to_owned() });
         };
-        if !self
-            .cell
-            .book
-            .claims
-            .is_free(&Resource::MobileRobot(to.to_owned()))
-        {
+        if !self.cell.book.claims.is_free(&Resource::MobileRobot(to.to_owned())) {
             return no(format!("{to} has something else to do"));
         }
         for item in &job.items {
-            let at = Location::MobileRobot {
-                mobile_robot: to.to_owned(),
-                slot: item.slot.clone(),
-            };
+            let at = Location::MobileRobot { mobile_robot: to.to_owned(), slot: item.slot.clone() };
             if !setup.slots.contains(&item.slot) || !self.cell.is_free(&at) {
                 return no(format!("{} of {to} is not free", item.slot));
             }
@@ -508,27 +403,14 @@ impl Work<'_> {
 
     /// F20: the loads are on another mobile robot now, which drives on.
     fn swap(&mut self, job: &Job, to: &str, principal: &Principal, reason: &str) {
-        let Some(from) = job.mobile_robot.clone() else {
-            return;
-        };
-        let transport = self
-            .cell
-            .book
-            .mobiles
-            .get(&from)
-            .and_then(|m| m.transport.clone());
+        let Some(from) = job.mobile_robot.clone() else { return };
+        let transport = self.cell.book.mobiles.get(&from).and_then(|m| m.transport.clone());
         for item in &job.items {
-            let there = Location::MobileRobot {
-                mobile_robot: from.clone(),
-                slot: item.slot.clone(),
-            };
+            let there = Location::MobileRobot { mobile_robot: from.clone(), slot: item.slot.clone() };
             if let Some(load) = self.cell.book.custody.at(&there).map(str::to_owned) {
                 self.emit(Fact::CustodyMoved {
                     load,
-                    to: Location::MobileRobot {
-                        mobile_robot: to.to_owned(),
-                        slot: item.slot.clone(),
-                    },
+                    to: Location::MobileRobot { mobile_robot: to.to_owned(), slot: item.slot.clone() },
                     by: Evidence::Human {
                         principal: principal.name.clone(),
                         reason: reason.to_owned(),
@@ -546,12 +428,7 @@ impl Work<'_> {
             let order = self.ids.next_id();
             let destination = transport.destination.clone();
             let mobile_robot = to.to_owned();
-            self.emit(Fact::TransportBegun {
-                mobile_robot,
-                job: job.id,
-                order,
-                destination,
-            });
+            self.emit(Fact::TransportBegun { mobile_robot, job: job.id, order, destination });
             let transport = crate::book::Transport { order, ..transport };
             self.resend_transport(to, &transport);
         }
@@ -563,21 +440,13 @@ impl Work<'_> {
         match job.state {
             JobState::Holding => self.go(job.id, JobState::Held, job.why.clone(), job.text.clone()),
             JobState::Suspending => {
-                self.go(
-                    job.id,
-                    JobState::Suspended,
-                    job.why.clone(),
-                    job.text.clone(),
-                );
+                self.go(job.id, JobState::Suspended, job.why.clone(), job.text.clone());
             }
             JobState::Aborting => {
                 let open: Vec<_> = self.cell.ops_of(job.id).map(|(id, _)| id).collect();
                 for op in open {
                     let text = "the job was aborted; a human saw the arm stand still".to_owned();
-                    self.emit(Fact::OpEnded {
-                        op,
-                        result: OpResult::Interrupted { text },
-                    });
+                    self.emit(Fact::OpEnded { op, result: OpResult::Interrupted { text } });
                 }
                 self.go(job.id, JobState::Aborted, job.why.clone(), job.text.clone());
             }
@@ -593,10 +462,7 @@ impl Work<'_> {
                 text: "its session is not known any more".into(),
             });
         };
-        self.emit(Fact::Answered {
-            intervention: question.id,
-            decided,
-        });
+        self.emit(Fact::Answered { intervention: question.id, decided });
         match answer {
             Answer::OperatorMoved => self.close(&session, SessionState::Exited),
             Answer::CancelOrder => {
@@ -620,14 +486,10 @@ impl Work<'_> {
                     }
                     (SessionState::Faulted, _) => self.cancel_order(&session),
                     (SessionState::ExitGranted, _) => {
-                        self.emit(Fact::SessionResent {
-                            session: session.id,
-                        });
+                        self.emit(Fact::SessionResent { session: session.id });
                         self.tell(&session, Message::ExitGranted);
                     }
-                    _ => self.emit(Fact::SessionResent {
-                        session: session.id,
-                    }),
+                    _ => self.emit(Fact::SessionResent { session: session.id }),
                 }
             }
         }

@@ -122,9 +122,7 @@ pub(crate) struct Live {
 
 impl Book {
     pub(crate) fn open_session_of(&self, mobile_robot: &str) -> Option<&Arc<Session>> {
-        self.sessions
-            .values()
-            .find(|s| s.mobile_robot == mobile_robot && !s.state.is_closed())
+        self.sessions.values().find(|s| s.mobile_robot == mobile_robot && !s.state.is_closed())
     }
 
     pub(crate) fn question_of(&self, job: Uuid) -> Option<&Arc<Intervention>> {
@@ -156,9 +154,7 @@ impl Book {
     }
 
     pub(crate) fn is_live(&self, job: Uuid) -> bool {
-        self.jobs
-            .get(&job)
-            .is_some_and(|j| !j.state.is_final() && j.state != JobState::Idle)
+        self.jobs.get(&job).is_some_and(|j| !j.state.is_final() && j.state != JobState::Idle)
     }
 }
 
@@ -170,11 +166,8 @@ fn closed<T>(
     if all.len() <= REMEMBERED {
         return Vec::new();
     }
-    let mut ids: Vec<_> = all
-        .iter()
-        .filter(|(_, t)| is_closed(t))
-        .map(|(id, t)| (number(t), *id))
-        .collect();
+    let mut ids: Vec<_> =
+        all.iter().filter(|(_, t)| is_closed(t)).map(|(id, t)| (number(t), *id)).collect();
     ids.sort_unstable();
     let surplus = all.len() - REMEMBERED;
     ids.into_iter().take(surplus).map(|(_, id)| id).collect()

@@ -84,10 +84,7 @@ impl SessionState {
             Self::TransferReady => matches!(self, Self::Docked),
             Self::Transferring => matches!(self, Self::TransferReady),
             Self::TransferDone => {
-                matches!(
-                    self,
-                    Self::Transferring | Self::Docked | Self::TransferReady | Self::Faulted
-                )
+                matches!(self, Self::Transferring | Self::Docked | Self::TransferReady | Self::Faulted)
             }
             Self::ExitGranted => matches!(self, Self::TransferDone),
             Self::Exited => !matches!(self, Self::Released | Self::Canceled | Self::Exited),
@@ -101,19 +98,13 @@ impl SessionState {
     /// The mobile robot stands at the point and is not supposed to move.
     #[must_use]
     pub const fn is_docked(self) -> bool {
-        matches!(
-            self,
-            Self::Docked | Self::TransferReady | Self::Transferring
-        )
+        matches!(self, Self::Docked | Self::TransferReady | Self::Transferring)
     }
 }
 
 /// A session.
 #[derive(Debug, Clone, PartialEq)]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "each is one thing the mobile robot has said"
-)]
+#[expect(clippy::struct_excessive_bools, reason = "each is one thing the mobile robot has said")]
 pub(crate) struct Session {
     pub id: Uuid,
     pub number: u64,

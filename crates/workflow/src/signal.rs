@@ -165,18 +165,12 @@ pub enum Message {
         route: Vec<BasePose>,
         then_to: Option<String>,
     },
-    MovePermit {
-        granted: bool,
-    },
+    MovePermit { granted: bool },
     CellReady,
     TransferDone,
-    TransferFailed {
-        reason: String,
-    },
+    TransferFailed { reason: String },
     ExitGranted,
-    CancelOrder {
-        order: Uuid,
-    },
+    CancelOrder { order: Uuid },
     StartPause,
     StopPause,
     Retry,
@@ -187,10 +181,7 @@ impl Message {
     /// A message that lets something move. If it was not fetched yet, it dies with the permit.
     #[must_use]
     pub const fn grants(&self) -> bool {
-        matches!(
-            self,
-            Self::MovePermit { granted: true } | Self::CellReady | Self::ExitGranted
-        )
+        matches!(self, Self::MovePermit { granted: true } | Self::CellReady | Self::ExitGranted)
     }
 }
 

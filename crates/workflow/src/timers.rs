@@ -8,10 +8,7 @@ use crate::ids::Millis;
 /// The durations of all waits, in milliseconds, and how often something is tried again.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-#[expect(
-    missing_docs,
-    reason = "the names are the table's; each comment says which row"
-)]
+#[expect(missing_docs, reason = "the names are the table's; each comment says which row")]
 pub struct Timers {
     // T_res: how often a queued job is looked at although nothing changed.
     pub reserve_ms: Millis,

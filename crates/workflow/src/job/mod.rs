@@ -1,9 +1,9 @@
 //! Jobs (SM-5) and their steps (SM-6).
 
+pub(crate) mod params;
+pub(crate) mod phase;
 pub(crate) mod command;
 pub(crate) mod operations;
-pub mod params;
-pub mod phase;
 pub(crate) mod plan;
 pub(crate) mod run;
 pub(crate) mod undo;
@@ -67,10 +67,7 @@ impl JobState {
 
     /// The states in which steps make progress (SUSPENDED only while merely waiting).
     pub(crate) const fn runs(self) -> bool {
-        matches!(
-            self,
-            Self::Starting | Self::Execute | Self::Completing | Self::Stopping
-        )
+        matches!(self, Self::Starting | Self::Execute | Self::Completing | Self::Stopping)
     }
 }
 
@@ -234,11 +231,6 @@ pub(crate) struct Job {
 }
 
 impl Job {
-    /// The step whose operation this is.
-    pub(crate) fn step_of(&self, op: Uuid) -> Option<usize> {
-        self.steps.iter().position(|s| s.op == Some(op))
-    }
-
     pub(crate) fn step(&self, index: usize) -> Option<&Step> {
         self.steps.get(index)
     }
@@ -253,15 +245,13 @@ impl Job {
     }
 
     pub(crate) fn find(&self, phase: Phase) -> Option<usize> {
-        self.steps
-            .iter()
-            .position(|s| s.plan.phase == phase && s.state != StepState::Dropped)
+        self.steps.iter().position(|s| s.plan.phase == phase && s.state != StepState::Dropped)
     }
 
     pub(crate) fn is_done(&self, phase: Phase) -> bool {
-        self.steps.iter().any(|s| {
-            s.plan.phase == phase && matches!(s.state, StepState::Succeeded | StepState::Skipped)
-        })
+        self.steps
+            .iter()
+            .any(|s| s.plan.phase == phase && matches!(s.state, StepState::Succeeded | StepState::Skipped))
     }
 
     /// Whether steps may make progress.

@@ -103,13 +103,7 @@ impl Phase {
             recovery: Recovery,
             late: Fault,
         ) -> Row {
-            Row {
-                a,
-                b,
-                shown,
-                recovery,
-                late,
-            }
+            Row { a, b, shown, recovery, late }
         }
         match self {
             Self::Reserve => row("A1", "B1", Starting, Compensate, Fault::Unreachable),
@@ -170,10 +164,7 @@ impl Phase {
     /// Whether a human may skip it: checks, never deeds.
     #[must_use]
     pub const fn may_skip(self) -> bool {
-        matches!(
-            self,
-            Self::VerifyLoad | Self::VerifyEmpty | Self::VerifyOnMr
-        )
+        matches!(self, Self::VerifyLoad | Self::VerifyEmpty | Self::VerifyOnMr)
     }
 
     /// How long it may take. Every phase has a limit.
