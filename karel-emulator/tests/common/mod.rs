@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a helper that fails stops its test")]
 
 pub(crate) mod wire;
+pub(crate) mod world;
 
 use std::net::SocketAddr;
 use std::time::Duration;
