@@ -37,6 +37,10 @@ pub enum Phase {
 
 /// An order that is being carried out.
 #[derive(Clone, Debug)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "what was told and what was heard, each on its own; the state is `phase`"
+)]
 pub(crate) struct Mission {
     pub(crate) order: TransportOrderBody,
     pub(crate) session: Option<Uuid>,
