@@ -57,6 +57,8 @@ pub(crate) struct Mission {
     pub(crate) zone: Zone,
     pub(crate) destination: Option<Destination>,
     /// The cell's word: it may move in the zone.
+    ///
+    /// ASSUMPTION: it holds while the cell is away, as a released base does in VDA 5050.
     pub(crate) permit: bool,
     /// The cell's word: it may leave.
     pub(crate) exit: bool,

@@ -262,7 +262,8 @@ async fn another_order_is_refused_while_one_is_carried_out() {
 
 #[tokio::test]
 async fn an_order_that_makes_no_sense_is_refused_with_item_value_and_limit() {
-    let cases: [(fn(&mut api::TransportOrderBody), &str); 5] = [
+    type Spoil = fn(&mut api::TransportOrderBody);
+    let cases: [(Spoil, &str); 5] = [
         (|order| order.goal = "no good".into(), "goal is \"no good\""),
         (|order| order.dock.x_mm = 1e9, "dock: x is 1000000000 mm"),
         (

@@ -586,6 +586,7 @@ impl Core {
         mission.permit = false;
         let ends = mission.aborted.is_some();
         self.signal(SignalName::MrClear);
+        // ASSUMPTION: the hand-over ends here; what follows, `MR_DELIVERED`, is known by its order, not by a session.
         if let Some(mission) = &mut self.mission {
             mission.clear_told = true;
             mission.session = None;

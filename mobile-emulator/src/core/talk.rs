@@ -384,7 +384,7 @@ impl Core {
         }
         self.next_heartbeat = self.now.saturating_add(self.plan.heartbeat);
         let data = self.data();
-        // It concerns no hand-over: it must get through when a session is closed.
+        // ASSUMPTION: a heartbeat concerns no hand-over, so that it gets through when a session is closed.
         self.write(SignalName::MrHeartbeat, None, data);
     }
 

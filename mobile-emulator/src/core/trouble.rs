@@ -123,7 +123,7 @@ impl Core {
         self.mode = mode;
         self.note(LedgerEvent::Mode { mode });
         match mode {
-            // A person drives it now: what the order was to lead to is not known any more.
+            // ASSUMPTION: as in VDA 5050, an order does not outlive manual operation.
             OperatingMode::Manual | OperatingMode::Service => {
                 self.signal(SignalName::MrMode);
                 self.end_order(OrderOutcome::Lost);
@@ -139,6 +139,7 @@ impl Core {
             return;
         }
         let down = Duration::try_from_secs_f64(down_s).unwrap_or_default();
+        // ASSUMPTION: orders and permits live in its memory; mode switch, loads and orders that are over do not.
         self.note(LedgerEvent::Crashed { boot: self.boot });
         self.end_drive(DriveEnd::Disabled);
         self.end_order(OrderOutcome::Lost);
