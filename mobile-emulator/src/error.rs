@@ -1,5 +1,6 @@
 //! Why a virtual mobile robot does not start, does not answer, or refuses.
 
+use std::fmt::Display;
 use std::io;
 use std::net::{IpAddr, SocketAddr};
 
@@ -16,10 +17,10 @@ pub struct ConfigError {
 }
 
 impl ConfigError {
-    pub(crate) fn new(key: impl Into<String>, reason: impl ToString) -> Self {
+    pub(crate) fn new(key: impl Into<String>, reason: impl Display) -> Self {
         Self {
             key: key.into(),
-            reason: reason.to_string(),
+            reason: format!("{reason}"),
         }
     }
 

@@ -302,6 +302,7 @@ impl Fault {
     ///
     /// # Errors
     /// Names item, value and limit.
+    #[expect(clippy::too_many_lines, reason = "one arm for each fault")]
     pub fn check(&self) -> Result<(), Refusal> {
         let seconds = |item, value: Option<f64>| {
             value.map_or(Ok(()), |value| number(item, value, (0.0, MAX_S)).map(drop))

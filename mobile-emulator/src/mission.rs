@@ -37,6 +37,10 @@ pub enum Phase {
 
 /// An order that is being carried out.
 #[derive(Clone, Debug)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "what was told and what was heard, each on its own; the state is `phase`"
+)]
 pub(crate) struct Mission {
     pub(crate) order: TransportOrderBody,
     pub(crate) session: Option<Uuid>,
@@ -53,6 +57,8 @@ pub(crate) struct Mission {
     pub(crate) zone: Zone,
     pub(crate) destination: Option<Destination>,
     /// The cell's word: it may move in the zone.
+    ///
+    /// ASSUMPTION: it holds while the cell is away, as a released base does in VDA 5050.
     pub(crate) permit: bool,
     /// The cell's word: it may leave.
     pub(crate) exit: bool,

@@ -131,8 +131,7 @@ impl Motion {
 
     /// Is put elsewhere, and believes what it is told. It goes on with the leg it was on.
     pub(crate) fn place(&mut self, truly: PlanarPose, believed: PlanarPose) {
-        let leg = self.robot.progress().map_or(0, |progress| progress.leg);
-        let legs = self.legs.get(leg..).unwrap_or_default().to_vec();
+        let legs = self.legs.get(self.leg()..).unwrap_or_default().to_vec();
         // Settings and legs were legal before, and so they are now.
         let _legal = self.rebuild(truly, believed);
         if self.active {
@@ -187,6 +186,11 @@ impl Motion {
             Some(progress) if self.active => progress.left,
             Some(_) | None => Millimeters(0.0),
         }
+    }
+
+    /// The leg of its route it is on, from 0.
+    pub(crate) fn leg(&self) -> usize {
+        self.robot.progress().map_or(0, |progress| progress.leg)
     }
 
     /// All it has driven.

@@ -75,7 +75,7 @@ pub struct State {
     pub faults: Vec<ActiveFault>,
     /// The zones it knows.
     pub zones: Vec<ZoneState>,
-    /// The places of its order.
+    /// The places of its order that are still to come.
     pub stops: Vec<PlannedStop>,
     /// Its length and width.
     pub footprint_mm: [f64; 2],

@@ -1,4 +1,5 @@
 //! Configuration files and the command line.
+#![allow(clippy::unwrap_used, reason = "a helper that fails stops its test")]
 
 use std::process::{Command, Output};
 

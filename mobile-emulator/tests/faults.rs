@@ -1,4 +1,9 @@
 //! Everything that can go wrong with the robot, as the cell sees it and as the ledger has it.
+#![allow(
+    clippy::wildcard_enum_match_arm,
+    reason = "a test looks for the events it is about"
+)]
+#![allow(clippy::unwrap_used, reason = "a helper that fails stops its test")]
 
 mod common;
 

@@ -1,4 +1,5 @@
 //! The conversation of a delivery and of a pickup, as the cell sees it.
+#![allow(clippy::unwrap_used, reason = "a helper that fails stops its test")]
 
 mod common;
 
@@ -47,14 +48,13 @@ async fn a_delivery_is_told_step_by_step() {
     assert_eq!(clear.session, Some(session()));
     scene.until_phase(None).await;
 
-    use SignalName as S;
     let wanted = [
-        S::MrAssigned,
-        S::MrArrived,
-        S::MrDocked,
-        S::MrReady,
-        S::LoadChanged,
-        S::MrClear,
+        SignalName::MrAssigned,
+        SignalName::MrArrived,
+        SignalName::MrDocked,
+        SignalName::MrReady,
+        SignalName::LoadChanged,
+        SignalName::MrClear,
     ];
     assert_eq!(scene.cell.names(), wanted);
     assert_eq!(scene.violations().await, []);
@@ -68,7 +68,7 @@ async fn a_delivery_is_told_step_by_step() {
 
 #[tokio::test]
 async fn a_pickup_goes_on_to_its_destination() {
-    let scene = Scene::start(common::config()).await;
+    let scene = Scene::start(config()).await;
     let mut pickup = order();
     pickup.route = vec![RoutePointBody {
         x_mm: 1000.0,
@@ -91,7 +91,6 @@ async fn a_pickup_goes_on_to_its_destination() {
     assert_eq!(delivered.data.loads[1].load.as_deref(), Some("box-2"));
     assert!((delivered.data.pose.x_mm + 2000.0).abs() < 6.0);
     assert_eq!(scene.violations().await, []);
-    let _same = config();
 }
 
 #[tokio::test]

@@ -1,4 +1,9 @@
 //! Signals that are lost, late, doubled or overtaken; a cell that is away; messages that come twice.
+#![allow(
+    clippy::wildcard_enum_match_arm,
+    reason = "a test looks for the events it is about"
+)]
+#![allow(clippy::unwrap_used, reason = "a helper that fails stops its test")]
 
 mod common;
 
@@ -34,10 +39,14 @@ async fn a_signal_whose_transmissions_are_lost_gets_through_in_its_place() {
     }))
     .await;
     scene.until_ready(order()).await;
-    use SignalName as S;
     assert_eq!(
         scene.cell.names(),
-        [S::MrAssigned, S::MrArrived, S::MrDocked, S::MrReady]
+        [
+            SignalName::MrAssigned,
+            SignalName::MrArrived,
+            SignalName::MrDocked,
+            SignalName::MrReady
+        ]
     );
     let lost = |event: &&LedgerEvent| matches!(event, LedgerEvent::SignalLost { .. });
     assert_eq!(scene.events().await.iter().filter(lost).count(), 3);
@@ -115,10 +124,14 @@ async fn an_overtaken_signal_is_parked_by_the_cell_and_nothing_is_lost() {
         arrived.windows(2).any(|pair| pair[1] < pair[0]),
         "{arrived:?}"
     );
-    use SignalName as S;
     assert_eq!(
         scene.cell.names(),
-        [S::MrAssigned, S::MrArrived, S::MrDocked, S::MrReady]
+        [
+            SignalName::MrAssigned,
+            SignalName::MrArrived,
+            SignalName::MrDocked,
+            SignalName::MrReady
+        ]
     );
     assert_no_holes(&scene.cell);
 }
@@ -169,10 +182,14 @@ async fn an_outage_of_the_cell_loses_nothing_and_changes_no_order() {
     let revived = scene.cell.revive().await;
     scene.permit(false);
     let _ready = scene.until(SignalName::MrReady).await;
-    use SignalName as S;
     assert_eq!(
         revived.names(),
-        [S::MrAssigned, S::MrArrived, S::MrDocked, S::MrReady]
+        [
+            SignalName::MrAssigned,
+            SignalName::MrArrived,
+            SignalName::MrDocked,
+            SignalName::MrReady
+        ]
     );
     assert_no_holes(&revived);
     let events = scene.events().await;
@@ -245,7 +262,8 @@ async fn another_order_is_refused_while_one_is_carried_out() {
 
 #[tokio::test]
 async fn an_order_that_makes_no_sense_is_refused_with_item_value_and_limit() {
-    let cases: [(fn(&mut api::TransportOrderBody), &str); 5] = [
+    type Spoil = fn(&mut api::TransportOrderBody);
+    let cases: [(Spoil, &str); 5] = [
         (|order| order.goal = "no good".into(), "goal is \"no good\""),
         (|order| order.dock.x_mm = 1e9, "dock: x is 1000000000 mm"),
         (
@@ -359,7 +377,10 @@ async fn a_running_clock_does_the_same_over_a_long_poll() {
     cell.react(SignalName::MrDocked, session, &[grant(false)]);
     let leave = [grant(true), MobileMessage::ExitGranted];
     cell.react(SignalName::MrReady, session, &leave);
-    let _n = cell.send(Some(session), MobileMessage::TransportOrder(order()));
+    let _n = cell.send(
+        Some(session),
+        MobileMessage::TransportOrder(Box::new(order())),
+    );
     let mut states = robot.subscribe();
     let clear = async {
         while !cell.names().contains(&SignalName::MrClear) {
@@ -367,13 +388,12 @@ async fn a_running_clock_does_the_same_over_a_long_poll() {
         }
     };
     within(clear).await;
-    use SignalName as S;
     let wanted = [
-        S::MrAssigned,
-        S::MrArrived,
-        S::MrDocked,
-        S::MrReady,
-        S::MrClear,
+        SignalName::MrAssigned,
+        SignalName::MrArrived,
+        SignalName::MrDocked,
+        SignalName::MrReady,
+        SignalName::MrClear,
     ];
     assert_eq!(cell.names(), wanted);
     assert_no_holes(&cell);

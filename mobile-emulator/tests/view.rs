@@ -1,4 +1,5 @@
 //! The robot over HTTP: what it shows, what it takes, and what it refuses.
+#![allow(clippy::unwrap_used, reason = "a helper that fails stops its test")]
 
 mod common;
 

@@ -7,4 +7,5 @@ mod cellctl_failures;
 mod cellctl_usage;
 mod fake;
 mod library;
+mod mobile;
 mod samples;

@@ -326,7 +326,7 @@ pub struct OutboxMessage {
 #[serde(tag = "kind", rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum MobileMessage {
     /// Drive to a point and dock. The same order and update again is the same order.
-    TransportOrder(TransportOrderBody),
+    TransportOrder(Box<TransportOrderBody>),
     /// Whether the robot may move in the zone of its session's point (`MR_MOVE_PERMIT`).
     MovePermit {
         /// Whether it may.

@@ -39,9 +39,12 @@ impl Core {
             stands: None,
         });
         self.stuck_since = None;
-        let late = self.faults.use_first(|fault| match fault {
-            Fault::Late { delay_s } => Some((*delay_s, Used::Up)),
-            _ => None,
+        let late = self.faults.use_first(|fault| {
+            if let Fault::Late { delay_s } = fault {
+                Some((*delay_s, Used::Up))
+            } else {
+                None
+            }
         });
         if let Some(late) = late {
             self.be_late(late);
@@ -126,7 +129,7 @@ impl Core {
             self.raise(
                 MobileErrorLevel::Fatal,
                 "OFF_PATH",
-                "too far from the path to go on".to_owned(),
+                "too far from the path to go on",
             );
         }
     }
@@ -175,7 +178,7 @@ impl Core {
                 "the wheels turn, and the robot has not moved for {} s",
                 STUCK_AFTER.as_secs()
             );
-            self.raise(MobileErrorLevel::Fatal, "STUCK", description);
+            self.raise(MobileErrorLevel::Fatal, "STUCK", &description);
         }
     }
 
@@ -219,16 +222,20 @@ impl Core {
     }
 
     fn fault_obstacles(&self) -> Vec<Obstacle> {
-        let each = self.faults.iter().filter_map(|fault| match fault {
-            Fault::Obstacle {
+        let each = self.faults.iter().filter_map(|fault| {
+            if let Fault::Obstacle {
                 x_mm,
                 y_mm,
                 radius_mm,
                 ..
-            } => Point::try_new(Millimeters(*x_mm), Millimeters(*y_mm))
-                .and_then(|center| Obstacle::disc(center, Millimeters(*radius_mm)))
-                .ok(),
-            _ => None,
+            } = fault
+            {
+                Point::try_new(Millimeters(*x_mm), Millimeters(*y_mm))
+                    .and_then(|center| Obstacle::disc(center, Millimeters(*radius_mm)))
+                    .ok()
+            } else {
+                None
+            }
         });
         each.collect()
     }
@@ -365,9 +372,12 @@ impl Core {
             self.signal(SignalName::MrArrived);
         }
         let here = self.motion.believed();
-        let fails = self.faults.use_first(|fault| match fault {
-            Fault::DockFails { times } => Some(((), one_less(times))),
-            _ => None,
+        let fails = self.faults.use_first(|fault| {
+            if let Fault::DockFails { times } = fault {
+                Some(((), one_less(times)))
+            } else {
+                None
+            }
         });
         let target = if fails.is_some() {
             let half = here.displacement_to(dock);
@@ -384,15 +394,19 @@ impl Core {
         } else {
             dock
         };
-        let slip = self.faults.use_first(|fault| match fault {
-            Fault::Slip {
+        let slip = self.faults.use_first(|fault| {
+            if let Fault::Slip {
                 forward_mm,
                 left_mm,
                 turn_deg,
                 when: SlipMoment::Docking,
                 noticed,
-            } => Some((((*forward_mm, *left_mm, *turn_deg), *noticed), Used::Up)),
-            _ => None,
+            } = fault
+            {
+                Some((((*forward_mm, *left_mm, *turn_deg), *noticed), Used::Up))
+            } else {
+                None
+            }
         });
         if let (Some((forward_left_turn, noticed)), Some(mission)) = (slip, &mut self.mission) {
             let (way_mm, _) = off(here, target);
@@ -530,9 +544,14 @@ impl Core {
             return false;
         };
         let long = self.now.saturating_sub(docked_at).as_secs_f64();
-        let runs = self.faults.use_first(|fault| match fault {
-            Fault::DrivesOff { after_s } if long >= *after_s => Some(((), Used::Up)),
-            _ => None,
+        let runs = self.faults.use_first(|fault| {
+            if let Fault::DrivesOff { after_s } = fault
+                && long >= *after_s
+            {
+                Some(((), Used::Up))
+            } else {
+                None
+            }
         });
         runs.is_some()
     }
@@ -550,7 +569,7 @@ impl Core {
         let legs = route::legs(&self.plan, self.motion.believed(), &places, to);
         let gone = legs.and_then(|legs| self.set_out(legs, to, Purpose::Leave, Manner::Driving));
         if let Err(reason) = gone {
-            self.raise(MobileErrorLevel::Fatal, "NO_WAY_OUT", reason);
+            self.raise(MobileErrorLevel::Fatal, "NO_WAY_OUT", &reason);
         }
     }
 
@@ -567,6 +586,7 @@ impl Core {
         mission.permit = false;
         let ends = mission.aborted.is_some();
         self.signal(SignalName::MrClear);
+        // ASSUMPTION: the hand-over ends here; what follows, `MR_DELIVERED`, is known by its order, not by a session.
         if let Some(mission) = &mut self.mission {
             mission.clear_told = true;
             mission.session = None;

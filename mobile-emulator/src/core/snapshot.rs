@@ -4,7 +4,9 @@ use mobile_base::PlanarPose;
 use units::Degrees;
 
 use super::Core;
+use crate::config::RouteShape;
 use crate::floor::{body_of, pose_of};
+use crate::mission::Phase;
 use crate::state::{CellLink, PlannedStop, State, ZoneState};
 
 impl Core {
@@ -67,7 +69,7 @@ impl Core {
         each.collect()
     }
 
-    /// The places of the order, for the floor plan.
+    /// The places of the order that are still to come, for the floor plan.
     fn stops(&self) -> Vec<PlannedStop> {
         let Some(mission) = &self.mission else {
             return Vec::new();
@@ -77,15 +79,24 @@ impl Core {
             pose: body_of(pose),
         };
         let mut stops = Vec::new();
-        if mission.clear_told {
-            for place in &mission.order.then_route {
-                stops.extend(via(place));
-            }
+        let approaching = mission.phase == Phase::Approach;
+        let (places, passed) = if mission.clear_told {
+            (&mission.order.then_route, 0)
+        } else if approaching && self.plan.route == RouteShape::Waypoints {
+            // A leg for each place.
+            (&mission.order.route, self.motion.leg())
+        } else if approaching {
+            (&mission.order.route, 0)
         } else {
-            for place in &mission.order.route {
-                stops.extend(via(place));
-            }
-            stops.push(stop("approach", mission.approach));
+            (&mission.order.then_route, mission.order.then_route.len())
+        };
+        for place in places.iter().skip(passed) {
+            stops.extend(via(place));
+        }
+        if approaching {
+            stops.push(stop("", mission.approach));
+        }
+        if !mission.clear_told {
             stops.push(stop(&mission.order.goal, mission.dock));
         }
         if let Some(destination) = &mission.destination {

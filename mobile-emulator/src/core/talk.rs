@@ -63,7 +63,7 @@ impl Core {
     /// Does what a message says, or says why not.
     fn obey(&mut self, session: Option<Uuid>, message: MobileMessage) -> Result<(), String> {
         match message {
-            MobileMessage::TransportOrder(order) => self.take_order(order, session),
+            MobileMessage::TransportOrder(order) => self.take_order(*order, session),
             MobileMessage::CancelOrder { order } => self.cancel(order),
             MobileMessage::StartPause => {
                 self.paused = true;
@@ -145,9 +145,12 @@ impl Core {
         order: TransportOrderBody,
         session: Option<Uuid>,
     ) -> Result<(), String> {
-        let ignores = self.faults.use_first(|fault| match fault {
-            Fault::OrderUnacknowledged { times } => Some(((), one_less(times))),
-            _ => None,
+        let ignores = self.faults.use_first(|fault| {
+            if let Fault::OrderUnacknowledged { times } = fault {
+                Some(((), one_less(times)))
+            } else {
+                None
+            }
         });
         if ignores.is_some() {
             return Err("a fault: it takes no notice of the order".to_owned());
@@ -196,9 +199,12 @@ impl Core {
         order: TransportOrderBody,
         session: Option<Uuid>,
     ) -> Result<(), String> {
-        let refuses = self.faults.use_first(|fault| match fault {
-            Fault::OrderRefused { times } => Some(((), one_less(times))),
-            _ => None,
+        let refuses = self.faults.use_first(|fault| {
+            if let Fault::OrderRefused { times } = fault {
+                Some(((), one_less(times)))
+            } else {
+                None
+            }
         });
         if refuses.is_some() {
             return Err("a fault: it refuses the order".to_owned());
@@ -216,9 +222,12 @@ impl Core {
             return Err(format!("its battery is at {:.1} %", self.charge));
         }
         let (id, update, goal) = (order.order, order.update, order.goal.clone());
-        let wrong = self.faults.use_first(|fault| match fault {
-            Fault::WrongDock { dock } => Some((*dock, crate::fault_book::Used::Up)),
-            _ => None,
+        let wrong = self.faults.use_first(|fault| {
+            if let Fault::WrongDock { dock } = fault {
+                Some((*dock, crate::fault_book::Used::Up))
+            } else {
+                None
+            }
         });
         let from = self.motion.believed();
         let mission = Mission::try_new(&self.plan, order, session, from, wrong)?;
@@ -375,7 +384,7 @@ impl Core {
         }
         self.next_heartbeat = self.now.saturating_add(self.plan.heartbeat);
         let data = self.data();
-        // It concerns no hand-over: it must get through when a session is closed.
+        // ASSUMPTION: a heartbeat concerns no hand-over, so that it gets through when a session is closed.
         self.write(SignalName::MrHeartbeat, None, data);
     }
 
@@ -450,11 +459,11 @@ impl Core {
     }
 
     /// An error, told at once if it is new.
-    pub(super) fn raise(&mut self, level: MobileErrorLevel, kind: &str, description: String) {
+    pub(super) fn raise(&mut self, level: MobileErrorLevel, kind: &str, description: &str) {
         if self.errors.iter().any(|error| error.error_type == kind) {
             return;
         }
-        self.write_error(level, kind, &description);
+        self.write_error(level, kind, description);
         self.signal(SignalName::MrFault);
     }
 

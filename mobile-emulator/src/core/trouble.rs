@@ -14,28 +14,26 @@ impl Core {
     /// Sets a fault. Its number.
     pub(crate) fn set_fault(&mut self, fault: Fault) -> Result<u64, Refusal> {
         fault.check()?;
-        match &fault {
-            Fault::LoadMissing { slot }
-            | Fault::LoadWrong { slot, .. }
-            | Fault::LoadExtra { slot, .. }
-            | Fault::MisreportLoad { slot, .. } => self.slots.check(slot)?,
-            _ => {}
+        if let Fault::LoadMissing { slot }
+        | Fault::LoadWrong { slot, .. }
+        | Fault::LoadExtra { slot, .. }
+        | Fault::MisreportLoad { slot, .. } = &fault
+        {
+            self.slots.check(slot)?;
         }
-        let fault = match fault {
-            Fault::Late { delay_s } if self.driving() => {
-                self.be_late(delay_s);
-                Fault::Late { delay_s }
-            }
-            Fault::DrivesOff { after_s } => {
-                let docked = self.mission.as_ref().and_then(|mission| mission.docked_at);
-                let since = docked.map_or(0.0, |at| self.now.saturating_sub(at).as_secs_f64());
-                Fault::DrivesOff {
-                    after_s: after_s + since,
-                }
-            }
-            other => other,
-        };
-        let late_now = matches!(fault, Fault::Late { .. }) && self.late_until.is_some();
+        let mut fault = fault;
+        if let Fault::DrivesOff { after_s } = &mut fault {
+            // The book counts from the moment it docked.
+            let docked = self.mission.as_ref().and_then(|mission| mission.docked_at);
+            *after_s += docked.map_or(0.0, |at| self.now.saturating_sub(at).as_secs_f64());
+        }
+        let mut late_now = false;
+        if let Fault::Late { delay_s } = &fault
+            && self.driving()
+        {
+            self.be_late(*delay_s);
+            late_now = true;
+        }
         let id = if late_now {
             // It holds already.
             0
@@ -64,6 +62,10 @@ impl Core {
     }
 
     /// What a fault does at once.
+    #[expect(
+        clippy::wildcard_enum_match_arm,
+        reason = "all others wait for their moment, or are asked for"
+    )]
     fn happen(&mut self, fault: Fault) -> Result<(), Refusal> {
         match fault {
             Fault::Slip {
@@ -76,7 +78,7 @@ impl Core {
             Fault::Unlocalized { .. } => self.raise(
                 MobileErrorLevel::Fatal,
                 "LOCALIZATION_LOST",
-                "the robot does not know where it is".to_owned(),
+                "the robot does not know where it is",
             ),
             Fault::Mode { mode } => self.set_mode(mode),
             Fault::Crash { down_s } => self.crash(down_s),
@@ -121,13 +123,13 @@ impl Core {
         self.mode = mode;
         self.note(LedgerEvent::Mode { mode });
         match mode {
-            // A person drives it now: what the order was to lead to is not known any more.
+            // ASSUMPTION: as in VDA 5050, an order does not outlive manual operation.
             OperatingMode::Manual | OperatingMode::Service => {
                 self.signal(SignalName::MrMode);
                 self.end_order(OrderOutcome::Lost);
             }
             OperatingMode::Automatic | OperatingMode::Semiautomatic | OperatingMode::Intervened => {
-                self.signal(SignalName::MrMode)
+                self.signal(SignalName::MrMode);
             }
         }
     }
@@ -137,6 +139,7 @@ impl Core {
             return;
         }
         let down = Duration::try_from_secs_f64(down_s).unwrap_or_default();
+        // ASSUMPTION: orders and permits live in its memory; mode switch, loads and orders that are over do not.
         self.note(LedgerEvent::Crashed { boot: self.boot });
         self.end_drive(DriveEnd::Disabled);
         self.end_order(OrderOutcome::Lost);
@@ -227,10 +230,10 @@ impl Core {
         }
         if charge <= empty {
             let description = format!("{charge:.1} %; it stands at {empty} %");
-            self.raise(MobileErrorLevel::Fatal, "BATTERY_EMPTY", description);
+            self.raise(MobileErrorLevel::Fatal, "BATTERY_EMPTY", &description);
         } else {
             let description = format!("{charge:.1} %; low is {low} %");
-            self.raise(MobileErrorLevel::Warning, "BATTERY_LOW", description);
+            self.raise(MobileErrorLevel::Warning, "BATTERY_LOW", &description);
         }
     }
 }

@@ -1,5 +1,9 @@
 //! What the tests of the robot share: a scripted cell, and robots whose time the test moves.
 #![allow(dead_code, reason = "every test file uses its own part")]
+#![allow(
+    clippy::wildcard_enum_match_arm,
+    reason = "a test looks for the events it is about"
+)]
 #![allow(clippy::unwrap_used, reason = "a helper that fails stops its test")]
 
 use std::collections::BTreeMap;
@@ -341,7 +345,7 @@ impl Scene {
     }
 
     pub(crate) fn order(&self, order: TransportOrderBody) {
-        self.tell(MobileMessage::TransportOrder(order));
+        self.tell(MobileMessage::TransportOrder(Box::new(order)));
     }
 
     pub(crate) fn permit(&self, granted: bool) {

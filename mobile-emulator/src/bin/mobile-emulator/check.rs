@@ -18,7 +18,7 @@ pub(crate) struct Check {
 }
 
 impl Check {
-    pub(crate) fn run(&self) -> anyhow::Result<ExitCode> {
+    pub(crate) fn run(&self) -> ExitCode {
         let mut wrong = 0_usize;
         for path in &self.files {
             let checked = load(path).and_then(|config| {
@@ -31,10 +31,10 @@ impl Check {
                 eprintln!("{error:#}");
             }
         }
-        Ok(if wrong == 0 {
+        if wrong == 0 {
             ExitCode::SUCCESS
         } else {
             ExitCode::from(1)
-        })
+        }
     }
 }

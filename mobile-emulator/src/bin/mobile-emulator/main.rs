@@ -27,7 +27,7 @@ enum Command {
 fn main() -> ExitCode {
     let answer = match Cli::parse().command {
         Command::Run(run) => run.run(),
-        Command::Check(check) => check.run(),
+        Command::Check(check) => Ok(check.run()),
     };
     answer.unwrap_or_else(|error| {
         // One sentence with its causes, for people; the log goes elsewhere.
