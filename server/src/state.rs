@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use api::{LinkState, Tier};
 use kinematics::PendantJoints;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
@@ -9,6 +10,7 @@ use crate::clock::WallClock;
 use crate::config::{Plan, RobotPlan, ServerPlan};
 use crate::identity::{AuditSink, Identity, TracingAudit};
 use crate::journal::SharedJournal;
+use crate::link::cell_server::{self, CellServerLink, CellServerPlan};
 use crate::link::{self, Connector, Link, Owner};
 use crate::metrics::{LinkMetrics, Metrics};
 use crate::motions::{self, InFlight, Motions};
@@ -42,9 +44,41 @@ pub(crate) struct Cell {
 #[derive(Debug)]
 pub(crate) struct Robot {
     pub(crate) plan: Arc<RobotPlan>,
-    pub(crate) link: Link,
+    pub(crate) link: RobotLink,
     pub(crate) motions: Arc<Motions>,
     pub(crate) metrics: LinkMetrics,
+}
+
+/// The way to a robot's controller, by the program on it.
+#[derive(Clone, Debug)]
+pub(crate) enum RobotLink {
+    Seed(Link),
+    CellServer(CellServerLink),
+}
+
+impl RobotLink {
+    /// Orders waiting, and how many may.
+    pub(crate) fn depth(&self) -> (usize, usize) {
+        match self {
+            Self::Seed(link) => link.depth(),
+            Self::CellServer(link) => link.depth(),
+        }
+    }
+
+    /// Whether the link takes orders.
+    pub(crate) fn is_running(&self) -> bool {
+        match self {
+            Self::Seed(link) => link.is_running(),
+            Self::CellServer(link) => link.is_running(),
+        }
+    }
+
+    pub(crate) fn state(&self) -> LinkState {
+        match self {
+            Self::Seed(link) => link.status().state,
+            Self::CellServer(link) => link.view().state,
+        }
+    }
 }
 
 impl Robot {
@@ -53,12 +87,14 @@ impl Robot {
     /// # Errors
     /// Why that is not known, in a sentence.
     pub(crate) fn actual_joints(&self) -> Result<PendantJoints, String> {
-        match self.plan.tier {
-            api::Tier::Seed | api::Tier::SeedStatus | api::Tier::CellServer => Err(format!(
-                "the controller of `{}` (tier seed) reports no position; the target it last accepted is not where the \
-                 arm is",
+        match &self.link {
+            RobotLink::Seed(_) => Err(format!(
+                "the controller of `{}` reports no position; the target it last accepted is not where the arm is",
                 self.plan.id
             )),
+            RobotLink::CellServer(link) => motions::actual(self, link)
+                .map(|actual| actual.joints)
+                .map_err(|problem| problem.detail().to_owned()),
         }
     }
 }
@@ -96,15 +132,29 @@ impl App {
                 journal.clone(),
                 tracker.clone(),
             ));
+            let controller = metrics.controller_link(&plan);
             let metrics = metrics.link(&plan);
-            let owner = Owner {
-                plan: Arc::clone(&plan),
-                motions: Arc::clone(&motions),
-                connector: Arc::clone(&connector),
-                metrics: metrics.clone(),
+            let link = match plan.tier {
+                Tier::Seed | Tier::SeedStatus => {
+                    let owner = Owner {
+                        plan: Arc::clone(&plan),
+                        motions: Arc::clone(&motions),
+                        connector: Arc::clone(&connector),
+                        metrics: metrics.clone(),
+                    };
+                    RobotLink::Seed(link::spawn(owner, tracker, stop.clone()))
+                }
+                Tier::CellServer => RobotLink::CellServer(cell_server::spawn(
+                    CellServerPlan::of(&plan, controller),
+                    Arc::clone(&connector),
+                    Arc::clone(&motions),
+                    journal.epoch().0,
+                    tracker,
+                    stop.clone(),
+                )),
             };
             Arc::new(Robot {
-                link: link::spawn(owner, tracker, stop.clone()),
+                link,
                 plan,
                 motions,
                 metrics,
@@ -145,6 +195,12 @@ impl App {
         motions::recover(&journal, &all)
             .await
             .map_err(ServeError::Journal)?;
+        for robot in cells.iter().flat_map(|cell: &Cell| &cell.robots) {
+            if let RobotLink::CellServer(link) = &robot.link {
+                let motions = Arc::clone(&robot.motions);
+                drop(tracker.spawn(motions.reconcile(link.clone(), stop.clone())));
+            }
+        }
         let (cell, robot) = plan.legacy;
         let legacy = cells.get(cell).and_then(|cell| cell.robots.get(robot));
         let Some(legacy) = legacy.map(Arc::clone) else {

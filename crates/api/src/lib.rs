@@ -5,6 +5,7 @@
 //! Requests refuse unknown and duplicate keys; answers may grow, so clients ignore keys they do not know.
 
 mod authority;
+mod control;
 mod description;
 mod health;
 mod identity;
@@ -22,6 +23,7 @@ pub use authority::{
     AcquireBody, ControlEnd, ControlHolder, ControlLease, ControlToken, ControlTokenError,
     ControlView, EndedLease, LossBehavior, Station, TransferBody,
 };
+pub use control::{MotionPreview, SpeedOverride, StopBody, StopCategory, StopResult};
 pub use description::{
     Capabilities, CellSummary, JointDescription, RobotDescription, RobotSummary, StopEffect, Tier,
 };

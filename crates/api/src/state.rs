@@ -31,6 +31,9 @@ pub struct RobotState {
     /// The last motion taken, whatever became of it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub last_motion: Option<Uuid>,
+    /// Counts the changes of what the server knows of the robot's motions: what a motion may `expect`.
+    #[serde(default)]
+    pub revision: u64,
 }
 
 /// Where a reported pose comes from.

@@ -88,8 +88,9 @@ impl RobotPlan {
     /// What can be known of a motion's end.
     pub(crate) fn completion(&self) -> api::Completion {
         match self.tier {
-            api::Tier::Seed => api::Completion::NotObservable,
-            api::Tier::SeedStatus | api::Tier::CellServer => api::Completion::Observable,
+            // Nothing reads the status program of tier 1 yet.
+            api::Tier::Seed | api::Tier::SeedStatus => api::Completion::NotObservable,
+            api::Tier::CellServer => api::Completion::Observable,
         }
     }
 

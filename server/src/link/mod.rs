@@ -4,11 +4,6 @@
 //! is known of it when no answer tells. A caller that goes away does not take its command with it: the command is
 //! carried out and recorded, because from outside it cannot be told how far it had come.
 
-#[expect(
-    dead_code,
-    unused_imports,
-    reason = "the motion service is built on this next, and uses all of it"
-)]
 pub(crate) mod cell_server;
 mod connector;
 mod error;

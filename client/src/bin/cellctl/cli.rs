@@ -5,7 +5,10 @@ use std::path::PathBuf;
 use clap::builder::NonEmptyStringValueParser;
 use clap::{Args, Parser, Subcommand};
 
-use crate::{cell, control, delta, emulator, fk, home, ik, motions, move_to, teach, tokens};
+use crate::{
+    cell, control, delta, doubts, emulator, fk, home, ik, journal, motions, move_to,
+    speed_override, stop, teach, tokens,
+};
 
 /// Drive a robot cell: move, look, calculate.
 ///
@@ -99,6 +102,10 @@ pub(crate) enum Command {
     /// Show who the server takes you for.
     Whoami,
     Tokens(tokens::TokensArgs),
+    Stop(stop::StopArgs),
+    Override(speed_override::OverrideArgs),
+    Doubts(doubts::DoubtsArgs),
+    Journal(journal::JournalArgs),
     Emulator(emulator::EmulatorArgs),
 }
 

@@ -8,17 +8,21 @@ mod control;
 mod credentials;
 mod delta;
 mod describe;
+mod doubts;
 mod emulator;
 mod failure;
 mod fk;
 mod home;
 mod ik;
+mod journal;
 mod login;
 mod motions;
 mod move_to;
 mod numbers;
 mod report;
+mod speed_override;
 mod state;
+mod stop;
 mod teach;
 mod text;
 mod tokens;
@@ -48,6 +52,7 @@ async fn main() -> ExitCode {
 }
 
 async fn run(cli: Cli) -> Result<Report, Failure> {
+    let json = cli.global.json;
     // A login asks for its own, and must be possible where what is kept is of no use.
     let wants_token = !matches!(cli.command, Command::Login | Command::Logout);
     let context = Context::new(cli.global, wants_token)?;
@@ -68,6 +73,10 @@ async fn run(cli: Cli) -> Result<Report, Failure> {
         Command::Logout => login::logout(&context),
         Command::Whoami => login::whoami(&context).await,
         Command::Tokens(args) => tokens::run(args, &context).await,
+        Command::Stop(args) => stop::run(args, &context).await,
+        Command::Override(args) => speed_override::run(args, &context).await,
+        Command::Doubts(args) => doubts::run(args, &context).await,
+        Command::Journal(args) => journal::run(args, json).await,
         Command::Emulator(args) => emulator::run(args, &context).await,
     }
 }

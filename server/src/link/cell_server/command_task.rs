@@ -99,6 +99,9 @@ impl<C: Connector, O: MotionObserver> CommandTask<C, O> {
         if Instant::now() >= order.not_after {
             return Err(LinkError::DeadlinePassed);
         }
+        if !self.observer.may_begin(order.motion) {
+            return Err(LinkError::TakenBack);
+        }
         let view = self.shared.view.borrow();
         let (Some(observed), true) = (view.status, view.is_connected()) else {
             return Err(LinkError::NotReady(NotReady::Disconnected));

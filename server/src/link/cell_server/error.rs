@@ -17,6 +17,8 @@ pub(crate) enum LinkError {
     Stopping,
     #[error("a stop was asked for before it was sent")]
     StoppedBeforeSent,
+    #[error("it was taken back before its turn came")]
+    TakenBack,
     #[error("it was numbered in epoch {order}, and the link is in epoch {}", shown(.current.as_ref()))]
     WrongEpoch { order: u32, current: Option<u32> },
     #[error("{0}")]
@@ -151,7 +153,7 @@ impl LinkError {
             | Self::StatusDown { .. } => "not_connected",
             Self::WriteNothing(_) => "not_written",
             Self::Stopping => "stopping",
-            Self::StoppedBeforeSent => "stopped",
+            Self::StoppedBeforeSent | Self::TakenBack => "stopped",
             Self::WrongEpoch { .. }
             | Self::NotReady(_)
             | Self::RestartedBefore { .. }
@@ -179,6 +181,7 @@ impl LinkError {
             Self::DeadlinePassed
             | Self::Stopping
             | Self::StoppedBeforeSent
+            | Self::TakenBack
             | Self::WrongEpoch { .. }
             | Self::NotReady(_)
             | Self::Connect { .. }
@@ -211,6 +214,7 @@ impl LinkError {
             Self::DeadlinePassed => ProblemCode::DeadlinePassed,
             Self::Stopping => ProblemCode::ShuttingDown,
             Self::StoppedBeforeSent => ProblemCode::StoppedBeforeSent,
+            Self::TakenBack => ProblemCode::MotionCanceled,
             Self::WrongEpoch { .. } | Self::NumberUsed { .. } => ProblemCode::StaleEpoch,
             Self::NotReady(NotReady::Disconnected)
             | Self::Connect { .. }

@@ -34,6 +34,11 @@ impl MotionOrder {
 /// Is told what becomes of the orders of a link: by the link's one task, in order. The next command is not sent
 /// before `ended` has returned.
 pub(crate) trait MotionObserver: Send + Sync + 'static {
+    /// Whether the motion is still wanted. Asked before its turn and once more before its first byte.
+    fn may_begin(&self, motion: Uuid) -> bool {
+        let _ = motion;
+        true
+    }
     /// From here on bytes may be on their way.
     fn dispatched(&self, motion: Uuid) -> impl Future<Output = ()> + Send;
     /// The controller has stored the number.
