@@ -49,6 +49,7 @@
 //! ```
 
 pub mod authority;
+mod cell;
 mod clock;
 pub mod config;
 mod edge;

@@ -47,6 +47,9 @@ pub enum ServeError {
     /// The set-up of a cell cannot be read, or does not fit.
     #[error(transparent)]
     Setup(StoreError),
+    /// What the journal knows of a cell's jobs could not be taken up.
+    #[error("taking up the work of a cell")]
+    Cell(#[source] crate::cell::StartError),
     /// What the journal knows of earlier motions could not be read.
     #[error("reading the journal")]
     Journal(#[source] ::journal::ReadError),

@@ -5,6 +5,7 @@ use kinematics::PendantJoints;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
+use crate::cell::{self, CellHandle};
 use crate::authority::{CellControl, EpochStore, LeaseClock, MemoryEpochs};
 use crate::clock::WallClock;
 use crate::config::{Plan, RobotPlan, ServerPlan};
@@ -39,6 +40,8 @@ pub(crate) struct Cell {
     pub(crate) control: Arc<CellControl>,
     pub(crate) robots: Vec<Arc<Robot>>,
     pub(crate) setup: Arc<SetupBook>,
+    /// Jobs, hand-over sessions, mobile robots, custody.
+    pub(crate) work: CellHandle,
 }
 
 #[derive(Debug)]
@@ -169,7 +172,7 @@ impl App {
             drop(tracker.spawn(Arc::clone(&control).keep_time(stop.clone())));
             control
         };
-        let cells: Vec<_> = plan
+        let ready: Vec<_> = plan
             .cells
             .into_iter()
             .map(|cell| {
@@ -177,29 +180,48 @@ impl App {
                 let robots: Vec<_> = cell.robots.into_iter().map(start_robot).collect();
                 let plans = robots.iter().map(|robot| Arc::clone(&robot.plan)).collect();
                 let setup = SetupBook::open(cell.setup.as_ref(), plans);
-                Ok(Cell {
-                    control,
-                    setup: Arc::new(setup.map_err(ServeError::Setup)?),
-                    id: cell.id,
-                    name: cell.name,
-                    robots,
-                })
+                let setup = Arc::new(setup.map_err(ServeError::Setup)?);
+                Ok((cell.id, cell.name, control, robots, setup))
             })
             .collect::<Result<_, ServeError>>()?;
 
-        let all: Vec<_> = cells
+        let all: Vec<_> = ready
             .iter()
-            .flat_map(|cell: &Cell| &cell.robots)
-            .map(|robot: &Arc<Robot>| Arc::clone(&robot.motions))
+            .flat_map(|(_, _, _, robots, _)| robots)
+            .map(|robot| Arc::clone(&robot.motions))
             .collect();
         motions::recover(&journal, &all)
             .await
             .map_err(ServeError::Journal)?;
-        for robot in cells.iter().flat_map(|cell: &Cell| &cell.robots) {
+        for robot in ready.iter().flat_map(|(_, _, _, robots, _)| robots) {
             if let RobotLink::CellServer(link) = &robot.link {
                 let motions = Arc::clone(&robot.motions);
                 drop(tracker.spawn(motions.reconcile(link.clone(), stop.clone())));
             }
+        }
+        let keys = InFlight::default();
+        let mut cells = Vec::with_capacity(ready.len());
+        for (id, name, control, robots, setup) in ready {
+            let parts = cell::Parts {
+                id: &id,
+                robots: &robots,
+                setup: &setup,
+                control: &control,
+                journal: &journal,
+                wall: &clock,
+                keys: &keys,
+                tracker,
+                stop,
+            };
+            let work = parts.start().await.map_err(ServeError::Cell)?;
+            cells.push(Cell {
+                id,
+                name,
+                control,
+                robots,
+                setup,
+                work,
+            });
         }
         let (cell, robot) = plan.legacy;
         let legacy = cells.get(cell).and_then(|cell| cell.robots.get(robot));
@@ -215,7 +237,7 @@ impl App {
             identity,
             audit,
             journal,
-            keys: InFlight::default(),
+            keys,
         })
     }
 

@@ -84,6 +84,8 @@ pub enum MotionType {
     /// A change to the pose the controller reports, number by number, all joints together. Needs a controller that
     /// reports it (tier 2). What is sent is the absolute target it comes to.
     Relative,
+    /// No motion: a level of a digital output, such as the gripper's. Only the cell's jobs ask for one.
+    Output,
 }
 
 /// What a relative target counts from.

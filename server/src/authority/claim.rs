@@ -43,8 +43,6 @@ impl Claim {
             by: By::Legacy,
         }
     }
-
-    #[cfg_attr(not(test), expect(dead_code, reason = "for the driver of the jobs"))]
     pub(crate) fn of_jobs(control: Arc<CellControl>) -> Self {
         Self {
             control,
@@ -85,7 +83,6 @@ impl Claim {
     }
 
     /// Who acts, for records.
-    #[cfg_attr(not(test), expect(dead_code, reason = "for the journal's intents"))]
     pub(crate) fn actor(&self) -> &str {
         match &self.by {
             By::Lease { holder, .. } => holder,

@@ -124,7 +124,6 @@ impl CellControl {
     }
 
     /// Whether jobs may move the robots: while nobody else holds control.
-    #[cfg_attr(not(test), expect(dead_code, reason = "for the driver of the jobs"))]
     pub(crate) fn jobs_may_act(&self) -> bool {
         let now = self.clock.now();
         self.machine().held(now).is_none()

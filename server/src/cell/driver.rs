@@ -9,7 +9,7 @@ use tokio::time::Instant;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 use uuid::Uuid;
-use workflow::{Cell, CellView, Effect, Fact, Input, Reply, Setup};
+use workflow::{Cell, Effect, Fact, Input, Reply, Setup};
 
 use super::arm::{ArmPort, Operation};
 use super::clock::CellClock;
@@ -68,7 +68,6 @@ impl Recovered {
         id: &str,
         setup: Setup,
         journal: &SharedJournal,
-        clock: &CellClock,
     ) -> Result<Self, StartError> {
         let mut cell = Cell::new(setup);
         let (mut after, mut decisions) = (Position::default(), 0);
@@ -91,7 +90,7 @@ impl Recovered {
                         source,
                     })?;
                 for fact in &facts {
-                    let _of_an_earlier_time = cell.apply(clock.now(), fact);
+                    cell.replay(fact);
                 }
             }
             if page.len() < PAGE {
@@ -116,7 +115,7 @@ impl Driver {
     /// Starts the task. Its first decision is the recovery.
     pub(crate) fn spawn(self, recovered: Recovered) -> CellHandle {
         let (asks, asked) = mpsc::channel(WAITING);
-        let view = watch::Sender::new(Arc::new(recovered.cell.view(self.clock.now())));
+        let view = watch::Sender::new(Arc::new(recovered.cell.clone()));
         let handle = CellHandle::new(asks.clone(), view.subscribe());
         let ids = Ids::new(Arc::clone(&self.wall));
         let tracker = self.tracker.clone();
@@ -138,7 +137,7 @@ struct Task {
     cell: Cell,
     driver: Driver,
     ids: Ids,
-    view: watch::Sender<Arc<CellView>>,
+    view: watch::Sender<Arc<Cell>>,
     asks: mpsc::WeakSender<Ask>,
     /// What happened and could not be kept yet. It did happen, so it is not forgotten.
     unkept: VecDeque<Input>,
@@ -244,9 +243,7 @@ impl Task {
                 self.carry_out(effect);
             }
         }
-        let _before = self
-            .view
-            .send_replace(Arc::new(self.cell.view(self.driver.clock.now())));
+        let _before = self.view.send_replace(Arc::new(self.cell.clone()));
         Ok(decision.reply)
     }
 

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use tokio::sync::{mpsc, oneshot, watch};
-use workflow::{CellView, Input, Refusal, Reply};
+use workflow::{Cell, Input, Refusal, Reply};
 
 use crate::journal::Trouble;
 
@@ -9,7 +9,7 @@ use crate::journal::Trouble;
 #[derive(Clone, Debug)]
 pub(crate) struct CellHandle {
     asks: mpsc::Sender<Ask>,
-    view: watch::Receiver<Arc<CellView>>,
+    view: watch::Receiver<Arc<Cell>>,
 }
 
 /// Something for the driver.
@@ -34,7 +34,7 @@ pub(crate) enum Refused {
 }
 
 impl CellHandle {
-    pub(super) fn new(asks: mpsc::Sender<Ask>, view: watch::Receiver<Arc<CellView>>) -> Self {
+    pub(super) fn new(asks: mpsc::Sender<Ask>, view: watch::Receiver<Arc<Cell>>) -> Self {
         Self { asks, view }
     }
 
@@ -53,12 +53,12 @@ impl CellHandle {
     }
 
     /// The cell as it is now.
-    pub(crate) fn view(&self) -> Arc<CellView> {
+    pub(crate) fn view(&self) -> Arc<Cell> {
         Arc::clone(&self.view.borrow())
     }
 
     /// The cell as it changes.
-    pub(crate) fn watch(&self) -> watch::Receiver<Arc<CellView>> {
+    pub(crate) fn watch(&self) -> watch::Receiver<Arc<Cell>> {
         self.view.clone()
     }
 }

@@ -14,8 +14,10 @@ mod clock;
 mod driver;
 mod handle;
 mod ids;
+mod motion_arm;
+mod observe;
+mod start;
 
-pub(crate) use arm::{ArmPort, Operation};
-pub(crate) use clock::CellClock;
-pub(crate) use driver::{Driver, Recovered, StartError};
+pub use driver::StartError;
 pub(crate) use handle::{CellHandle, Refused};
+pub(crate) use start::Parts;

@@ -119,7 +119,6 @@ impl SharedJournal {
     }
 
     /// Keeps a decision of a cell's state machines.
-    #[expect(dead_code, reason = "the cell's driver is to come")]
     pub(crate) async fn decide_cell(
         &self,
         now: Timestamp,
@@ -162,7 +161,6 @@ impl SharedJournal {
     }
 
     /// The decisions of a cell's state machines, a page of them.
-    #[expect(dead_code, reason = "the cell's driver is to come")]
     pub(crate) async fn decided(
         &self,
         cell: &str,

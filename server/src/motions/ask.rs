@@ -83,6 +83,7 @@ pub(crate) fn resolve(
             speed,
             joints: solution.joints,
             to_joints: false,
+            output: None,
             from: None,
         })
     };
@@ -117,7 +118,10 @@ pub(crate) fn resolve(
                 ..asked
             })
         }
-        (MotionType::Joint | MotionType::Linear | MotionType::Relative, _) => {
+        (
+            MotionType::Joint | MotionType::Linear | MotionType::Relative | MotionType::Output,
+            _,
+        ) => {
             Err(invalid("target", "this motion needs another target", None))
         }
     }
@@ -145,6 +149,7 @@ fn to_joints(
         speed,
         joints,
         to_joints: true,
+        output: None,
         from: None,
     })
 }

@@ -309,6 +309,7 @@ mod tests {
                 speed: Speed::MmPerSec(7),
                 joints: ArmModel::builtin("fanuc-m20ia").unwrap().home(),
                 to_joints: false,
+                output: None,
                 from: None,
             },
             request_id: RequestId::of(&HeaderMap::new(), || Timestamp::UNIX_EPOCH),

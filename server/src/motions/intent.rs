@@ -37,7 +37,10 @@ impl Motions {
             target: target_of(asked.point),
             speed_um_s,
             // Every motion of the API is to an absolute pose; a relative one was resolved before it came here.
-            class: Repeatability::AbsoluteFree,
+            class: match asked.output {
+                Some(_) => Repeatability::LevelIo,
+                None => Repeatability::AbsoluteFree,
+            },
             request_id: entry.request_id.to_string(),
             claim,
             job: None,
@@ -51,6 +54,7 @@ impl Motions {
                 wire_epoch: door.wire_epoch,
                 boot: door.boot,
                 to_joints: asked.to_joints,
+                output: asked.output,
                 from: asked.from.map(target_of),
             })),
         }
@@ -134,6 +138,7 @@ pub(super) fn restored(story: &MotionStory) -> Option<Record> {
         },
         joints: PendantJoints::from_degrees(more.joints_mdeg.map(degrees)),
         to_joints: more.to_joints,
+        output: more.output,
         from: more.from.as_ref().map(thousandths_of),
     };
     Some(Record {
@@ -239,11 +244,12 @@ pub(super) fn decision_of(stored: &Stored) -> Option<DecisionBody> {
     })
 }
 
-const TYPES: [(MotionType, &str); 4] = [
+const TYPES: [(MotionType, &str); 5] = [
     (MotionType::Joint, "JOINT"),
     (MotionType::Home, "HOME"),
     (MotionType::Linear, "LINEAR"),
     (MotionType::Relative, "RELATIVE"),
+    (MotionType::Output, "OUTPUT"),
 ];
 
 fn type_name(motion_type: MotionType) -> &'static str {
@@ -252,6 +258,7 @@ fn type_name(motion_type: MotionType) -> &'static str {
         MotionType::Home => "HOME",
         MotionType::Linear => "LINEAR",
         MotionType::Relative => "RELATIVE",
+        MotionType::Output => "OUTPUT",
     }
 }
 

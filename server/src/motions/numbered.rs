@@ -6,10 +6,10 @@ use std::time::Duration;
 
 use api::{Outcome, ProblemCode};
 use jiff::Timestamp;
-use journal::{Claim, Hold, Mode, Observation, Standstill};
+use journal::{Claim, Hold, Mode, Observation, OutputLevel, Standstill};
 use kinematics::{Configuration, Elbow, Flip, Front};
 use protocol::v2::{
-    Command, FinishStatus, LinearSpeed, MotionNumber, Move, OperatingMode, Percent, StatusLine,
+    Command, FinishStatus, LinearSpeed, MotionNumber, Move, OperatingMode, Output, OutputNumber, Percent, StatusLine,
     ValueError, WireConfiguration, WireJoints, WirePose,
 };
 use tokio::time::Instant;
@@ -170,6 +170,10 @@ fn ready(link: &CellServerLink, motions: &Motions) -> Result<u32, Problem> {
 
 /// The command on the wire for a motion.
 pub(super) fn command_of(asked: &Asked, plan: &RobotPlan) -> Result<Command, ValueError> {
+    if let Some(OutputLevel { output, on }) = asked.output {
+        let output = OutputNumber::try_new(output)?;
+        return Ok(Command::Output(Output { output, on }));
+    }
     let point = point_of_thousandths(asked.point);
     let pose = || WirePose::try_new([point.x, point.y, point.z], [point.w, point.p, point.r]);
     let configuration = wire_configuration(plan.configuration);

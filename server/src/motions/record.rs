@@ -7,7 +7,7 @@ use api::{
     DecisionBody, Evidence, Motion, MotionState, MotionType, Outcome, PoseBody, ProblemCode,
 };
 use jiff::Timestamp;
-use journal::{Observation, Standstill, Target};
+use journal::{Observation, OutputLevel, Standstill, Target};
 use kinematics::{PendantJoints, Pose, Xyzwpr};
 use units::{Degrees, Millimeters};
 use uuid::Uuid;
@@ -29,6 +29,8 @@ pub(crate) struct Asked {
     pub(crate) joints: PendantJoints,
     /// Whether the controller is given the joints, and not the pose.
     pub(crate) to_joints: bool,
+    /// All that is asked for is this level of an output; the arm stays where `point` and `joints` say.
+    pub(crate) output: Option<OutputLevel>,
     /// The pose it was counted from, for a relative motion.
     pub(crate) from: Option<[i32; 6]>,
 }
@@ -108,6 +110,7 @@ impl Asked {
             speed: Speed::MmPerSec(prepared.wire.speed()),
             joints: prepared.joints,
             to_joints: false,
+            output: None,
             from: None,
         }
     }

@@ -167,6 +167,9 @@ fn check_target(body: &MotionBody, violations: &mut Vec<Violation>) {
         (MotionType::Home, true) => {
             violations.push(violation("target", "a HOME motion has no target"));
         }
+        (MotionType::Output, _) => {
+            violations.push(violation("type", "OUTPUT is no motion to ask for: only the cell's jobs set outputs"));
+        }
         (MotionType::Linear | MotionType::Relative, true)
             if matches!(body.target, Some(TargetBody::Joints(_))) =>
         {
@@ -180,14 +183,20 @@ fn check_target(body: &MotionBody, violations: &mut Vec<Violation>) {
             "relative_to",
             "missing; a RELATIVE motion says what it counts from: `ACTUAL`",
         )),
-        (MotionType::Joint | MotionType::Linear | MotionType::Home, Some(_)) => {
+        (
+            MotionType::Joint | MotionType::Linear | MotionType::Home | MotionType::Output,
+            Some(_),
+        ) => {
             violations.push(violation(
                 "relative_to",
                 "only a RELATIVE motion counts from something",
             ))
         }
         (MotionType::Relative, Some(_))
-        | (MotionType::Joint | MotionType::Linear | MotionType::Home, None) => {}
+        | (
+            MotionType::Joint | MotionType::Linear | MotionType::Home | MotionType::Output,
+            None,
+        ) => {}
     }
 }
 
@@ -237,6 +246,7 @@ pub(super) fn prepare(robot: &Robot, body: &MotionBody) -> Result<Prepared, Prob
         (MotionType::Joint, Some(TargetBody::Joints(joints))) => {
             plan.prepare_joints((*joints).into(), speed)
         }
+        (MotionType::Output, _) => return Err(unsupported("it sets no outputs")),
         (MotionType::Home, _) | (MotionType::Joint, None) => plan.prepare_home(speed),
     };
     prepared.map_err(|refusal| refused(&refusal))

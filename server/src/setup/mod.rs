@@ -18,6 +18,7 @@ mod calibrate;
 mod check;
 mod document;
 mod faults;
+mod for_workflows;
 mod geometry;
 mod model;
 mod path;
@@ -34,6 +35,8 @@ pub(crate) use calibrate::{Calibration, CalibrationError, MAX_RESIDUAL_MM, four_
 pub(crate) use document::{DocumentError, Form, parse_part, parse_setup, write_setup};
 pub(crate) use faults::Faults;
 pub use faults::SetupErrors;
+pub(crate) use path::joint_path;
+pub(crate) use resolve::Resolved;
 pub(crate) use geometry::DockPose;
 pub(crate) use model::Setup;
 pub(crate) use resolve::{Dock, ResolveError, Target};

@@ -69,6 +69,20 @@ impl Setup {
     }
 }
 
+impl Setup {
+    /// The hand-over zones that any part of an arm is in.
+    pub(crate) fn handover_zones_of(&self, arm: &str, joints_deg: [f64; 6]) -> Vec<String> {
+        let Some(arm) = self.arm(arm) else {
+            return Vec::new();
+        };
+        let body = arm.capsules(&PendantJoints::from_degrees(joints_deg));
+        self.zones_of(&arm.id, ZoneKind::Handover)
+            .filter(|zone| body.iter().any(|part| zone.bounds.gap(part).0 <= 0.0))
+            .map(|zone| zone.id.clone())
+            .collect()
+    }
+}
+
 /// The arm's body at each sample of a path.
 pub(crate) fn bodies(arm: &Arm, samples: &[PendantJoints]) -> Vec<[Capsule; 5]> {
     samples.iter().map(|joints| arm.capsules(joints)).collect()

@@ -16,7 +16,7 @@ mod work;
 use serde::{Deserialize, Serialize};
 
 pub use motion::{
-    Accepted, Arrival, Asked, Completion, End, Hold, Intent, Mode, NoMotion, Observation, Outcome,
+    Accepted, Arrival, Asked, Completion, End, Hold, Intent, Mode, NoMotion, Observation, Outcome, OutputLevel,
     Repeatability, Standstill, Target,
 };
 pub use work::{

@@ -65,9 +65,21 @@ pub struct Asked {
     /// Whether the target is the joint values, and not the pose.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub to_joints: bool,
+    /// The level of an output, where that is all that was asked for; the target is where the arm stood.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub output: Option<OutputLevel>,
     /// The pose it was counted from, for a motion relative to the actual pose.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from: Option<Target>,
+}
+
+/// A level of a digital output.
+#[derive(Clone, Copy, Debug, Eq, PartialEq, Serialize, Deserialize)]
+pub struct OutputLevel {
+    /// The output's number, 1 to 8.
+    pub output: u8,
+    /// Its level.
+    pub on: bool,
 }
 
 /// A pose as the wire has it: micrometers and millidegrees, in the controller's active frames.
