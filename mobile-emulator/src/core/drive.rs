@@ -202,21 +202,14 @@ impl Core {
             let name = mission.order.goal.clone();
             zones.push((name, mission.zone.clone(), mission.permit));
         }
-        for (name, place) in &self.plan.places {
-            let Some(zone) = &place.zone else { continue };
-            // Points may share a zone, and then they share the permit.
-            let same = mission.filter(|mission| mission.zone.area == zone.area);
+        for (name, zone) in &self.known_zones {
             if mission.is_some_and(|mission| mission.order.goal == *name) {
                 continue;
             }
+            // Points may share a zone, and then they share the permit.
+            let same = mission.filter(|mission| mission.zone.area == zone.area);
             let free = same.is_some_and(|mission| mission.permit);
             zones.push((name.clone(), zone.clone(), free));
-        }
-        if mission.is_none()
-            && let Some(mission) = &self.mission
-            && !self.plan.places.contains_key(&mission.order.goal)
-        {
-            zones.push((mission.order.goal.clone(), mission.zone.clone(), false));
         }
         zones
     }

@@ -6,7 +6,7 @@ use api::{
 };
 use uuid::Uuid;
 
-use super::{Core, KNOWN_ORDERS};
+use super::{Core, KNOWN_ORDERS, KNOWN_ZONES};
 use crate::error::Refusal;
 use crate::fault::Fault;
 use crate::fault_book::one_less;
@@ -234,6 +234,7 @@ impl Core {
         let approach = mission.approach;
         let legs = route::legs(&self.plan, from, &mission.order.route, approach)?;
         self.at_point = None;
+        self.learn(&mission);
         self.mission = Some(mission);
         self.refresh_obstacles();
         if let Err(reason) = self.set_out(legs, approach, Purpose::Approach, Manner::Driving) {
@@ -249,6 +250,15 @@ impl Core {
         });
         self.signal(SignalName::MrAssigned);
         Ok(())
+    }
+
+    /// Remembers the zone of an order's point.
+    fn learn(&mut self, mission: &Mission) {
+        let name = &mission.order.goal;
+        if self.known_zones.len() < KNOWN_ZONES || self.known_zones.contains_key(name) {
+            let zone = mission.zone.clone();
+            let _before = self.known_zones.insert(name.clone(), zone);
+        }
     }
 
     fn refuse_order(&mut self, order: Uuid, session: Option<Uuid>, reason: String) {
