@@ -2,9 +2,11 @@
 //!
 //! No I/O and no clock: the same configuration, events and steps give the same history.
 
+mod dock;
 mod drive;
 mod snapshot;
 mod talk;
+mod tell;
 mod trouble;
 
 #[cfg(test)]
