@@ -1,7 +1,7 @@
 //! What a virtual mobile robot is made of, as its file writes it.
 //!
 //! Units are in the keys. What the numbers make is checked when the robot starts, see
-//! [`ConfigError`](crate::ConfigError).
+//! [`ConfigError`].
 
 use std::net::SocketAddr;
 

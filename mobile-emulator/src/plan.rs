@@ -158,6 +158,17 @@ impl Plan {
     }
 }
 
+impl Plan {
+    /// The zones of its map, by their points.
+    pub(crate) fn zones(&self) -> BTreeMap<String, Zone> {
+        let zones = self.places.iter().filter_map(|(name, place)| {
+            let zone = place.zone.clone()?;
+            Some((name.clone(), zone))
+        });
+        zones.collect()
+    }
+}
+
 /// How it follows routes, and how it docks.
 fn laws(config: &MobileConfig) -> Result<(FollowerSettings, FollowerSettings), ConfigError> {
     let drive = &config.drive;

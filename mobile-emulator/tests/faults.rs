@@ -373,6 +373,29 @@ async fn a_crash_forgets_the_order_and_the_permit_and_keeps_the_loads() {
 }
 
 #[tokio::test]
+async fn a_robot_that_lost_its_order_in_a_zone_does_not_leave_it_for_another() {
+    let scene = Scene::new().await;
+    scene.until_ready(order()).await;
+    set(&scene, Fault::Crash { down_s: 1.0 }).await;
+    scene.advance(3.0).await;
+    let before = scene.robot.pose().await.unwrap();
+    let mut other = order();
+    other.order = Uuid::from_u128(2);
+    other.goal = "s2/p1".to_owned();
+    other.dock.x_mm = -3000.0;
+    other.zone = None;
+    scene.order(other);
+    scene.permit(true);
+    let _assigned = scene.until_count(SignalName::MrAssigned, 2).await;
+    scene.advance(30.0).await;
+    // Its permit is for the other point's zone, not for this one.
+    assert_eq!(scene.robot.pose().await.unwrap(), before);
+    let state = scene.robot.state().await.unwrap();
+    assert_eq!(state.stands_because, Some(DriveEnd::NoPermit));
+    assert_eq!(scene.violations().await, []);
+}
+
+#[tokio::test]
 async fn loads_can_be_missing_wrong_extra_or_misreported() {
     let slot = |id: &str| id.to_owned();
     let load = || "box-9".to_owned();

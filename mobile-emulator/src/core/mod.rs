@@ -2,15 +2,17 @@
 //!
 //! No I/O and no clock: the same configuration, events and steps give the same history.
 
+mod dock;
 mod drive;
 mod snapshot;
 mod talk;
+mod tell;
 mod trouble;
 
 #[cfg(test)]
 mod tests;
 
-use std::collections::{BTreeSet, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -21,7 +23,7 @@ use uuid::Uuid;
 use crate::config::MobileConfig;
 use crate::error::{ConfigError, Refusal};
 use crate::fault_book::FaultBook;
-use crate::floor::body_of;
+use crate::floor::{Zone, body_of};
 use crate::ledger::{DriveEnd, Ledger, LedgerEntry, LedgerEvent, Purpose, Violation};
 use crate::mission::Mission;
 use crate::motion::Motion;
@@ -31,6 +33,9 @@ use crate::slots::Slots;
 
 /// Orders that are remembered, so that a late copy is not driven again.
 const KNOWN_ORDERS: usize = 256;
+
+/// Zones that are remembered: those of a full map, and as many again.
+const KNOWN_ZONES: usize = 2000;
 
 /// How far a core came.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
@@ -73,6 +78,8 @@ pub(crate) struct Core {
     drive: Option<Drive>,
     /// Where it stands, as it tells.
     at_point: Option<String>,
+    /// Zones by their points: of its map, and those that orders told of. A zone stays closed when its order is over.
+    known_zones: BTreeMap<String, Zone>,
     touching: BTreeSet<String>,
     /// A violation of these is recorded until the cause is gone.
     caught: BTreeSet<&'static str>,
@@ -120,6 +127,7 @@ impl Core {
             stuck_since: None,
             drive: None,
             at_point: None,
+            known_zones: plan.zones(),
             touching: BTreeSet::new(),
             caught: BTreeSet::new(),
             cell_away: false,

@@ -12,7 +12,7 @@ use crate::state::{CellLink, PlannedStop, State, ZoneState};
 impl Core {
     pub(crate) fn state(&self) -> State {
         let mission = self.mission.as_ref();
-        let zones = self.known_zones();
+        let zones = self.zone_states();
         State {
             id: self.plan.id.clone(),
             time_s: self.now.as_secs_f64(),
@@ -56,7 +56,7 @@ impl Core {
         }
     }
 
-    fn known_zones(&self) -> Vec<ZoneState> {
+    fn zone_states(&self) -> Vec<ZoneState> {
         let each = self
             .zones()
             .into_iter()

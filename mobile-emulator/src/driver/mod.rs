@@ -140,7 +140,7 @@ impl Driver {
                 }
                 Some(news) = link.news() => {
                     self.advance_over_link(self.time.target(), &mut link);
-                    self.hear(news);
+                    self.hear(news, &mut link);
                 }
                 () = tokio::task::yield_now(), if behind => {}
                 () = wait_until(wake), if !behind => {}
@@ -158,7 +158,7 @@ impl Driver {
         }
     }
 
-    fn hear(&mut self, news: News) {
+    fn hear(&mut self, news: News, link: &mut Link) {
         match news {
             News::Outcome(signal, outcome) => self.core.outcome(&signal, outcome),
             News::Messages(messages, taken) => {
@@ -166,6 +166,8 @@ impl Driver {
                 for message in messages {
                     self.core.message(message);
                 }
+                // The next question acknowledges them.
+                link.listen_after(self.core.after());
                 // Nobody waits any more if the robot is being stopped.
                 let _stopping = taken.send(());
             }
