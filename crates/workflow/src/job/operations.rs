@@ -1,0 +1,391 @@
+//! The operations of a step, when one may start, and what its end means.
+
+use uuid::Uuid;
+
+use crate::book::{Op, OpState};
+use crate::custody::{Evidence, Location};
+use crate::effect::{Action, GripAction, Interpolation, Speed, Target};
+use crate::fact::Fact;
+use crate::faults::Fault;
+use crate::input::{OpResult, Refusal, Reply};
+use crate::intervention::Answer;
+use crate::job::params::Workflow;
+use crate::job::phase::Phase;
+use crate::job::plan::slot_of;
+use crate::job::{Job, JobState, StepState};
+use crate::react::Reaction;
+use crate::session::SessionState;
+use crate::setup::PlaceRef;
+use crate::signal::Message;
+use crate::supervise::grip_of;
+use crate::work::{Ask, Work};
+
+/// The operations of a step, in order.
+pub(crate) fn operations(job: &Job, step: usize) -> Vec<Action> {
+    let Some(step) = job.step(step) else { return Vec::new() };
+    if step.plan.phase == Phase::Precheck {
+        return vec![Action::Precheck { targets: all_targets(job) }];
+    }
+    let place = match (step.plan.phase, &step.plan.place) {
+        (Phase::BackOut, _) => job.near.clone(),
+        (_, place) => place.clone(),
+    };
+    let to = |target| Action::Move {
+        interpolation: match target {
+            Target::At { .. } | Target::LiftOf { .. } => Interpolation::Linear,
+            Target::ApproachOf { .. } | Target::Safe => Interpolation::Joint,
+        },
+        speed: match target {
+            Target::At { .. } | Target::LiftOf { .. } => Speed::Reduced,
+            Target::ApproachOf { .. } | Target::Safe => Speed::Free,
+        },
+        target,
+        docked: None,
+    };
+    let Some(place) = place else { return vec![to(Target::Safe)] };
+    let approach = to(Target::ApproachOf { place: place.clone() });
+    let at = to(Target::At { place: place.clone() });
+    let lift = to(Target::LiftOf { place });
+    let (open, close) =
+        (Action::Grip { action: GripAction::Open }, Action::Grip { action: GripAction::Close });
+    let out = if job.near.is_some() || step.done_ops > 0 {
+        vec![lift.clone(), to(Target::Safe)]
+    } else {
+        Vec::new()
+    };
+    match step.plan.phase {
+        Phase::Approach | Phase::PlaceApproach => vec![approach, at],
+        Phase::Grip if step.attempt <= 1 => vec![close],
+        // F9: open, away, back, close; after the last attempt only open and leave.
+        Phase::Grip if step.attempt <= job.spec.max_attempts => vec![open, lift, at, close],
+        Phase::Grip => vec![open, lift, to(Target::Safe)],
+        Phase::Release => vec![open],
+        Phase::LiftClear | Phase::Retreat | Phase::BackOut => out,
+        Phase::Reserve
+        | Phase::Precheck
+        | Phase::Call
+        | Phase::Await
+        | Phase::Dock
+        | Phase::VerifyLoad
+        | Phase::VerifyEmpty
+        | Phase::Permit
+        | Phase::ReleaseMr
+        | Phase::VerifyOnMr
+        | Phase::Exit
+        | Phase::Transport
+        | Phase::Close
+        | Phase::Dismiss => Vec::new(),
+    }
+}
+
+/// Every pose of the whole job, in the order of driving.
+fn all_targets(job: &Job) -> Vec<Target> {
+    let mut targets = Vec::new();
+    for item in &job.items {
+        let (slot, fixed) = (slot_of(&job.spec, item), PlaceRef::fixed(item.place.clone()));
+        let ways = match job.spec.workflow {
+            Workflow::DeliveryAndPlacement => [slot, fixed],
+            Workflow::PickupAndDelivery => [fixed, slot],
+        };
+        for place in ways {
+            targets.push(Target::ApproachOf { place: place.clone() });
+            targets.push(Target::At { place: place.clone() });
+            targets.push(Target::LiftOf { place });
+        }
+    }
+    targets.push(Target::Safe);
+    targets
+}
+
+impl Work<'_> {
+    /// Starts the next operation of a step, or ends the step.
+    pub(crate) fn run_operations(&mut self, job: &Job, step: usize) {
+        let Some(found) = job.step(step) else { return };
+        if found.op.is_some() {
+            return;
+        }
+        let Some(arm) = job.arm.clone() else { return };
+        let actions = operations(job, step);
+        let Some(action) = actions.get(found.done_ops).cloned() else {
+            self.arm_work_done(job, step, &arm);
+            return;
+        };
+        let busy = self.cell.book.ops.values().any(|op| op.arm == arm);
+        if busy || !self.cell.arm_ready(&arm) || !self.cell.arm_still(&arm) {
+            return;
+        }
+        let mut action = action;
+        if let Action::Move { target, docked, .. } = &mut action {
+            if target.enters_zone() {
+                if !self.may_enter(job) {
+                    return;
+                }
+                *docked = self.cell.session_of(job).and_then(|s| s.docked);
+            }
+            if found.plan.phase == Phase::PlaceApproach
+                && found.done_ops == 0
+                && self.target_blocked(job, step)
+            {
+                return;
+            }
+        }
+        let op = self.ids.next_id();
+        self.emit(Fact::OpStarted { op, job: job.id, step, arm, action });
+    }
+
+    /// Whether the arm may enter the zone now: its permit, and the second evidence (M5). After a fault the permit is
+    /// granted again from DOCKED.
+    fn may_enter(&mut self, job: &Job) -> bool {
+        let Some(session) = self.cell.session_of(job).cloned() else { return false };
+        if self.cell.dock_evidence(&session).is_err() {
+            return false;
+        }
+        if session.state == SessionState::Docked && session.ready && job.is_done(Phase::Permit) {
+            self.move_session(&session, SessionState::TransferReady);
+            let Some(session) = self.session(session.id) else { return false };
+            self.move_session(&session, SessionState::Transferring);
+            self.tell(&session, Message::CellReady);
+            return true;
+        }
+        session.state == SessionState::Transferring
+    }
+
+    /// All operations are done; now what is seen has to agree.
+    fn arm_work_done(&mut self, job: &Job, step: usize, arm: &str) {
+        let Some(found) = job.step(step) else { return };
+        let phase = found.plan.phase;
+        if phase == Phase::Grip && found.attempt > job.spec.max_attempts {
+            self.grip_given_up(job, step);
+            return;
+        }
+        if matches!(phase, Phase::LiftClear | Phase::Retreat | Phase::BackOut) {
+            let Some(seen) = self.cell.arm_seen(arm) else { return };
+            let zone = self.cell.setup.point(&job.spec.point).map(|p| &p.zone);
+            if zone.is_some_and(|z| seen.zones.contains(z)) {
+                return;
+            }
+            let load = found.plan.item.and_then(|i| job.items.get(i)).and_then(|i| i.load.clone());
+            if phase == Phase::Retreat
+                && seen.part_present == Some(true)
+                && let Some(load) = load
+            {
+                self.part_lost(job, &load, "after the release a part is still in the gripper");
+                return;
+            }
+        }
+        self.step_to(job, step, StepState::Succeeded, "");
+        if phase == Phase::BackOut
+            && let Some(job) = self.job(job.id)
+        {
+            self.after_back_out(&job);
+        }
+    }
+
+    /// The arm left its place: what was begun there begins anew.
+    fn after_back_out(&mut self, job: &Job) {
+        let begun = |phase: Phase| {
+            job.steps.iter().position(|s| {
+                s.plan.phase == phase && matches!(s.state, StepState::Running | StepState::Retriable)
+            })
+        };
+        for (late, early) in
+            [(Phase::Grip, Phase::Approach), (Phase::Release, Phase::PlaceApproach)]
+        {
+            let again = match (begun(late), begun(early)) {
+                (Some(late), _) => {
+                    let item = job.step(late).and_then(|s| s.plan.item);
+                    let undo = job.step(late).is_some_and(|s| s.plan.undo);
+                    let early = job.steps.iter().rposition(|s| {
+                        s.plan.phase == early && s.plan.item == item && s.plan.undo == undo
+                            && s.state != StepState::Dropped
+                    });
+                    vec![Some(late), early]
+                }
+                (None, early) => vec![early],
+            };
+            for step in again.into_iter().flatten() {
+                self.emit(Fact::StepMoved {
+                    job: job.id,
+                    step,
+                    to: StepState::Pending,
+                    attempt: 0,
+                    text: "the arm left the place".into(),
+                });
+            }
+        }
+    }
+
+    /// An operation ended: what does it mean?
+    pub(crate) fn op_ended(&mut self, id: Uuid, result: OpResult) -> Result<Reply, Refusal> {
+        let Some(op) = self.cell.book.ops.get(&id).cloned() else { return Ok(Reply::Unchanged) };
+        let fits = match (&op.action, &result) {
+            (Action::Move { .. }, OpResult::Gripped { .. } | OpResult::Prechecked { .. })
+            | (Action::Grip { .. } | Action::Precheck { .. }, OpResult::Arrived)
+            | (Action::Grip { .. }, OpResult::Prechecked { .. })
+            | (Action::Precheck { .. }, OpResult::Gripped { .. }) => false,
+            (Action::Move { .. } | Action::Grip { .. } | Action::Precheck { .. }, _) => true,
+        };
+        if !fits {
+            return Err(Refusal::Invalid {
+                item: format!("operation {id}"),
+                problem: "the result does not belong to this kind of operation".into(),
+            });
+        }
+        let Some(job) = self.job(op.job) else { return Ok(Reply::Unchanged) };
+        if let OpResult::InDoubt { text } = &result {
+            self.op_in_doubt(&job, id, &op, text);
+            return Ok(Reply::Done);
+        }
+        if let (OpResult::Interrupted { text }, Some(_)) = (&result, grip_of(&op.action)) {
+            self.op_in_doubt(&job, id, &op, text);
+            return Ok(Reply::Done);
+        }
+        if let Some(open) = self.cell.book.question_of(job.id)
+            && open.question.op == Some(id)
+        {
+            self.withdraw(job.id, "the truth was found");
+        }
+        self.emit(Fact::OpEnded { op: id, result: result.clone() });
+        let Some(job) = self.job(op.job) else { return Ok(Reply::Done) };
+        match result {
+            OpResult::Arrived | OpResult::InDoubt { .. } => {}
+            OpResult::Prechecked { failures } => {
+                if let Some(first) = failures.first() {
+                    self.unreachable(&job, op.step, first);
+                }
+            }
+            OpResult::Gripped { closed, open, part_present } => {
+                self.gripped(&job, &op, id, (closed, open, part_present));
+            }
+            OpResult::NotExecuted { text } => self.not_executed(&job, &op, &text),
+            OpResult::Interrupted { text } => {
+                // Stopped on purpose, or found so after a loss: it is planned again from where the arm is.
+                if job.state.runs() && op.state == OpState::Running && job.state != JobState::Stopping {
+                    self.step_stuck(&job, op.step, Fault::ControllerAlarm, &text, None);
+                }
+            }
+            OpResult::Rejected { text } => {
+                self.step_stuck(&job, op.step, Fault::ControllerAlarm, &text, None);
+            }
+        }
+        Ok(Reply::Done)
+    }
+
+    fn not_executed(&mut self, job: &Job, op: &Op, text: &str) {
+        let tries = job.step(op.step).map_or(0, |s| s.resends);
+        if tries >= self.cell.setup.timers.resends {
+            self.step_stuck(job, op.step, Fault::ControllerAlarm, text, None);
+        } else {
+            self.emit(Fact::StepResent { job: job.id, step: op.step });
+        }
+    }
+
+    /// F8. The first time: look it up. If that does not tell either: a human.
+    pub(crate) fn op_in_doubt(&mut self, job: &Job, id: Uuid, op: &Op, text: &str) {
+        self.emit(Fact::OpDoubted { op: id, text: text.to_owned() });
+        if op.state == OpState::Running {
+            self.react(job, Reaction {
+                fault: Fault::NoAnswer,
+                text: text.into(),
+                permits: true,
+                state: Some(JobState::Suspending),
+                ..Reaction::default()
+            });
+            return;
+        }
+        let mut answers = vec![Answer::Happened, Answer::DidNotHappen];
+        if grip_of(&op.action).is_none() {
+            answers.push(Answer::Replan);
+        }
+        answers.push(Answer::Abort);
+        let known = self.known_of(job);
+        self.ask(Ask {
+            job: Some(job.id),
+            op: Some(id),
+            fault: Fault::NoAnswer,
+            question: format!("Did {} happen? {text}", describe(&op.action)),
+            known,
+            unknown: vec![format!("what became of {}", describe(&op.action))],
+            answers,
+            ..Ask::default()
+        });
+    }
+
+    /// The gripper's inputs: custody changes here and nowhere else in the course of a job.
+    fn gripped(&mut self, job: &Job, op: &Op, id: Uuid, inputs: (bool, bool, bool)) {
+        let (closed, open, part_present) = inputs;
+        let Some(step) = job.step(op.step).cloned() else { return };
+        let Some(load) = step.plan.item.and_then(|i| job.items.get(i)).and_then(|i| i.load.clone())
+        else {
+            return;
+        };
+        let by = Evidence::Gripper { op: id };
+        let held = self.cell.book.custody.in_gripper(&op.arm) == Some(load.as_str());
+        match (grip_of(&op.action), step.plan.phase) {
+            (Some(GripAction::Close), _) if closed && part_present => {
+                let to = Location::Gripper { arm: op.arm.clone() };
+                self.emit(Fact::CustodyMoved { load, to, by });
+            }
+            (Some(GripAction::Close), _) => self.grip_failed(job, op.step),
+            (Some(GripAction::Open), Phase::Release) if held && open && !part_present => {
+                if let Some(to) = step.plan.place.as_ref().and_then(|p| self.location_of(job, p)) {
+                    self.emit(Fact::CustodyMoved { load, to, by });
+                }
+            }
+            (Some(GripAction::Open), _) if !open || part_present => {
+                let text = "after opening, the gripper's inputs do not say that it is empty";
+                self.part_lost(job, &load, text);
+            }
+            (Some(GripAction::Open) | None, _) => {}
+        }
+    }
+
+    /// Where a load is when it was released at `place`.
+    pub(crate) fn location_of(&self, job: &Job, place: &PlaceRef) -> Option<Location> {
+        Some(match place {
+            PlaceRef::Fixed { place } => Location::Fixed { place: place.clone() },
+            PlaceRef::MobileRobot { slot, .. } => Location::MobileRobot {
+                mobile_robot: job.mobile_robot.clone()?,
+                slot: slot.clone(),
+            },
+        })
+    }
+
+    /// F9.
+    fn grip_failed(&mut self, job: &Job, step: usize) {
+        self.note(job.id, Fault::GripFailed, "no part after closing");
+        let Some(found) = job.step(step) else { return };
+        let attempt = found.attempt.max(1).saturating_add(1);
+        let to = found.state;
+        let text = "open, retreat and try again".into();
+        self.emit(Fact::StepMoved { job: job.id, step, to, attempt, text });
+    }
+
+    /// F9 after the last attempt; the arm is out and open. Now it is F4.
+    fn grip_given_up(&mut self, job: &Job, step: usize) {
+        let text = "the load could not be gripped";
+        let approach = job.steps.iter().rposition(|s| {
+            s.plan.phase == Phase::Approach
+                && s.plan.item == job.step(step).and_then(|s| s.plan.item)
+                && s.state == StepState::Succeeded
+        });
+        for again in [approach, Some(step)].into_iter().flatten() {
+            let to = StepState::Pending;
+            self.emit(Fact::StepMoved { job: job.id, step: again, to, attempt: 0, text: text.into() });
+        }
+        self.load_question(job, Fault::LoadMismatch, text);
+    }
+}
+
+/// In words, for questions.
+pub(crate) fn describe(action: &Action) -> String {
+    match action {
+        Action::Move { target: Target::ApproachOf { place }, .. } => format!("the move before {place}"),
+        Action::Move { target: Target::At { place }, .. } => format!("the move to {place}"),
+        Action::Move { target: Target::LiftOf { place }, .. } => format!("the lift from {place}"),
+        Action::Move { target: Target::Safe, .. } => "the move to the safe pose".into(),
+        Action::Grip { action: GripAction::Close } => "closing the gripper".into(),
+        Action::Grip { action: GripAction::Open } => "opening the gripper".into(),
+        Action::Precheck { .. } => "the precheck".into(),
+    }
+}

@@ -1,0 +1,198 @@
+//! What a mobile robot says: numbered, answered once, acted on once.
+
+use serde::{Deserialize, Serialize};
+use uuid::Uuid;
+
+use crate::setup::BasePose;
+
+/// The canonical signals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+#[expect(missing_docs, reason = "the words of the signal table")]
+pub enum SignalKind {
+    MrAssigned,
+    MrArrived,
+    MrDocked,
+    MrReady,
+    MrClear,
+    MrDelivered,
+    LoadChanged,
+    MrHeartbeat,
+    MrFault,
+    MrMode,
+    MrRejected,
+    MrDockFailed,
+}
+
+/// Operating mode of a mobile robot (VDA 5050).
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+#[expect(missing_docs, reason = "the words of VDA 5050")]
+pub enum MobileMode {
+    #[default]
+    Automatic,
+    Semiautomatic,
+    Intervened,
+    Manual,
+    Service,
+}
+
+impl MobileMode {
+    /// Whether the cell may rely on what the mobile robot does next.
+    #[must_use]
+    pub const fn is_automatic(self) -> bool {
+        matches!(self, Self::Automatic | Self::Semiautomatic)
+    }
+}
+
+/// What is in a slot.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SlotLoad {
+    /// The slot.
+    pub slot: String,
+    /// `None`: something is there that the mobile robot cannot name.
+    pub load: Option<String>,
+}
+
+/// An error the mobile robot reports.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MobileError {
+    /// It cannot go on.
+    pub fatal: bool,
+    /// Its type.
+    #[serde(rename = "type")]
+    pub kind: String,
+    /// For people.
+    pub description: String,
+}
+
+/// The state that comes with every signal.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct MobileState {
+    /// Pose in the cell frame.
+    pub pose: BasePose,
+    /// It moves by itself.
+    pub driving: bool,
+    /// It trusts its own pose.
+    pub localized: bool,
+    /// Charge.
+    pub battery_percent: f64,
+    /// Mode.
+    pub mode: MobileMode,
+    /// Occupied slots; `None`: it has no sensors to say.
+    pub loads: Option<Vec<SlotLoad>>,
+    /// The order it works on.
+    pub order: Option<Uuid>,
+    /// The point it stands at.
+    pub at_point: Option<String>,
+    /// Its errors.
+    #[serde(default)]
+    pub errors: Vec<MobileError>,
+}
+
+/// One signal as it arrived.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Signal {
+    /// Who.
+    pub mobile_robot: String,
+    /// The session it belongs to, as told by the cell.
+    pub session: Option<Uuid>,
+    /// Count of the mobile robot's starts.
+    pub boot: u64,
+    /// Strictly increasing from 1 within one `boot`.
+    pub seq: u64,
+    /// What.
+    pub kind: SignalKind,
+    /// The state at that moment.
+    pub state: MobileState,
+}
+
+/// How a signal was answered.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(tag = "answer", rename_all = "kebab-case")]
+pub enum SignalAnswer {
+    /// 200.
+    Accepted {
+        /// It had been accepted before; nothing happened this time.
+        duplicate: bool,
+    },
+    /// 202: its predecessor is missing; it is kept until that comes.
+    Parked,
+    /// 409 `handover-conflict`.
+    Conflict {
+        /// What would have been legal.
+        expected: String,
+        /// What came.
+        got: String,
+        /// This is the stored answer to an earlier copy.
+        duplicate: bool,
+    },
+    /// 410 `session-closed`: kept as a record, not acted on.
+    Closed {
+        /// The session it named.
+        session: Uuid,
+        /// This is the stored answer to an earlier copy.
+        duplicate: bool,
+    },
+}
+
+impl SignalAnswer {
+    /// The same answer, marked as given for a copy.
+    #[must_use]
+    pub fn for_duplicate(mut self) -> Self {
+        match &mut self {
+            Self::Accepted { duplicate }
+            | Self::Conflict { duplicate, .. }
+            | Self::Closed { duplicate, .. } => *duplicate = true,
+            Self::Parked => {}
+        }
+        self
+    }
+}
+
+/// What the cell tells a mobile robot.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "SCREAMING_SNAKE_CASE")]
+#[expect(missing_docs, reason = "the words of the outbox contract")]
+pub enum Message {
+    /// The same `order` and `update` sent again are the same order.
+    TransportOrder {
+        order: Uuid,
+        update: u32,
+        goal: String,
+        dock: Option<BasePose>,
+        route: Vec<BasePose>,
+        then_to: Option<String>,
+    },
+    MovePermit { granted: bool },
+    CellReady,
+    TransferDone,
+    TransferFailed { reason: String },
+    ExitGranted,
+    CancelOrder { order: Uuid },
+    StartPause,
+    StopPause,
+    Retry,
+    SkipRetry,
+}
+
+impl Message {
+    /// A message that lets something move. If it was not fetched yet, it dies with the permit.
+    #[must_use]
+    pub const fn grants(&self) -> bool {
+        matches!(self, Self::MovePermit { granted: true } | Self::CellReady | Self::ExitGranted)
+    }
+}
+
+/// A message in the outbox.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OutMessage {
+    /// Its number, increasing for each mobile robot.
+    pub n: u64,
+    /// The session it belongs to.
+    pub session: Option<Uuid>,
+    /// What.
+    #[serde(flatten)]
+    pub message: Message,
+}

@@ -1,0 +1,275 @@
+//! Signals: numbered, answered once, acted on once (F23, M1 to M4).
+
+use uuid::Uuid;
+
+use crate::custody::{Evidence, Location};
+use crate::fact::Fact;
+use crate::faults::Fault;
+use crate::input::{Refusal, Reply};
+use crate::job::phase::Phase;
+use crate::session::{Session, SessionState};
+use crate::signal::{Signal, SignalAnswer, SignalKind};
+use crate::work::Work;
+
+impl Work<'_> {
+    pub(crate) fn signal(&mut self, signal: Signal) -> Result<Reply, Refusal> {
+        let id = signal.mobile_robot.clone();
+        if self.cell.setup.mobile_robot(&id).is_none() {
+            return Err(Refusal::Unknown { what: "mobile robot", id });
+        }
+        let pose = signal.state.pose;
+        let values = [pose.x_mm, pose.y_mm, pose.heading_deg, signal.state.battery_percent];
+        if values.iter().any(|v| !v.is_finite()) {
+            return Err(Refusal::Invalid {
+                item: "data.pose".into(),
+                problem: "every value has to be finite".into(),
+            });
+        }
+        if signal.seq == 0 {
+            return Err(Refusal::Invalid {
+                item: "seq".into(),
+                problem: "0; the first signal of a boot has number 1".into(),
+            });
+        }
+        let known = self.cell.book.mobiles.get(&id).cloned().unwrap_or_default();
+        let got = || format!("boot {} seq {}", signal.boot, signal.seq);
+        // Heartbeats are not kept, so after a restart of this process the next number is not known.
+        let live = self.cell.live.mobiles.get(&id).filter(|m| m.synced);
+        let synced = live.is_some();
+        let (boot, seq) = live.map_or((known.boot, known.seq), |m| (m.boot, m.seq));
+        if signal.boot < boot {
+            return Ok(Reply::Signal(SignalAnswer::Conflict {
+                expected: format!("boot {boot}"),
+                got: got(),
+                duplicate: false,
+            }));
+        }
+        let last = if signal.boot == boot { seq } else { 0 };
+        if signal.seq <= last {
+            let stored = known.answers.iter().find(|(seq, _)| *seq == signal.seq);
+            let answer = stored.map_or(SignalAnswer::Accepted { duplicate: true }, |(_, a)| {
+                a.clone().for_duplicate()
+            });
+            return Ok(Reply::Signal(answer));
+        }
+        let follows = signal.seq == last + 1 || (!synced && signal.boot == boot);
+        if !follows {
+            if signal.seq == last + 2 {
+                if known.parked.as_ref() != Some(&signal) {
+                    let answer = SignalAnswer::Parked;
+                    self.emit(Fact::Signaled { signal: Box::new(signal), answer });
+                }
+                return Ok(Reply::Signal(SignalAnswer::Parked));
+            }
+            return Ok(Reply::Signal(SignalAnswer::Conflict {
+                expected: format!("boot {} seq {}", signal.boot, last + 1),
+                got: got(),
+                duplicate: false,
+            }));
+        }
+        let parked = known.parked.clone().filter(|p| {
+            p.boot == signal.boot && p.seq == signal.seq + 1
+        });
+        let answer = self.act_on(signal);
+        if let Some(parked) = parked {
+            self.settle();
+            let _answer = self.act_on(parked);
+        }
+        Ok(Reply::Signal(answer))
+    }
+
+    /// A signal whose turn it is.
+    pub(crate) fn act_on(&mut self, signal: Signal) -> SignalAnswer {
+        let answer = self.judge(&signal);
+        let nothing_but_alive = signal.kind == SignalKind::MrHeartbeat
+            && answer == SignalAnswer::Accepted { duplicate: false }
+            && self.cell.book.mobiles.get(&signal.mobile_robot).is_some_and(|m| {
+                m.boot == signal.boot && m.parked.is_none()
+            });
+        if nothing_but_alive {
+            self.emit(Fact::Beat { signal: Box::new(signal) });
+            return answer;
+        }
+        if !matches!(answer, SignalAnswer::Accepted { .. })
+            && let Some(session) = self.cell.book.open_session_of(&signal.mobile_robot)
+        {
+            let (job, kind) = (session.job, signal.kind);
+            self.note(job, Fault::StaleSignal, format!("{kind:?} was not acted on"));
+        }
+        self.emit(Fact::Signaled { signal: Box::new(signal.clone()), answer: answer.clone() });
+        if matches!(answer, SignalAnswer::Accepted { .. }) {
+            self.consequences(&signal);
+        }
+        answer
+    }
+
+    /// Legal now, closed, or in conflict.
+    fn judge(&self, signal: &Signal) -> SignalAnswer {
+        let accepted = SignalAnswer::Accepted { duplicate: false };
+        let open = self.cell.book.open_session_of(&signal.mobile_robot);
+        if let Some(named) = signal.session {
+            match self.cell.book.sessions.get(&named) {
+                Some(s) if s.state.is_closed() && signal.kind != SignalKind::MrDelivered => {
+                    return SignalAnswer::Closed { session: named, duplicate: false };
+                }
+                Some(_) => {}
+                None => return SignalAnswer::Closed { session: named, duplicate: false },
+            }
+            // A step of an earlier session must not be advanced by a late signal (M2).
+            if open.is_some_and(|s| s.id != named) && signal.kind != SignalKind::MrDelivered {
+                return SignalAnswer::Conflict {
+                    expected: open.map(|s| s.id.to_string()).unwrap_or_default(),
+                    got: named.to_string(),
+                    duplicate: false,
+                };
+            }
+        }
+        let Some(session) = open else { return accepted };
+        let expected = expected(session, signal.state.order, signal.kind);
+        if let Some(expected) = expected {
+            return SignalAnswer::Conflict {
+                expected,
+                got: format!("{:?}", signal.kind),
+                duplicate: false,
+            };
+        }
+        accepted
+    }
+
+    fn consequences(&mut self, signal: &Signal) {
+        let session = self.cell.book.open_session_of(&signal.mobile_robot).cloned();
+        match signal.kind {
+            SignalKind::MrRejected => {
+                if let Some(job) = session.and_then(|s| self.job(s.job))
+                    && job.find(Phase::Call).is_some_and(|s| !job.step(s).is_some_and(|s| s.state.is_done()))
+                {
+                    self.not_acknowledged(&job, "it refused its order");
+                }
+            }
+            SignalKind::MrDockFailed => {
+                if let Some(session) = session.filter(|s| s.state == SessionState::Positioned) {
+                    self.dock_failed(&session, "it reports that docking failed");
+                }
+            }
+            SignalKind::MrDelivered => self.delivered(&signal.mobile_robot),
+            SignalKind::MrFault if session.is_none() => self.fault_under_way(signal),
+            SignalKind::MrAssigned
+            | SignalKind::MrArrived
+            | SignalKind::MrDocked
+            | SignalKind::MrReady
+            | SignalKind::MrClear
+            | SignalKind::LoadChanged
+            | SignalKind::MrHeartbeat
+            | SignalKind::MrFault
+            | SignalKind::MrMode => {}
+        }
+        self.trigger(signal);
+    }
+
+    /// B15: custody goes to the destination.
+    pub(crate) fn delivered(&mut self, mobile_robot: &str) {
+        let transport = self.cell.book.mobiles.get(mobile_robot).and_then(|m| m.transport.clone());
+        let Some(transport) = transport else { return };
+        let on_it: Vec<_> = self
+            .cell
+            .book
+            .custody
+            .0
+            .iter()
+            .filter(|(_, l)| {
+                matches!(&l.location, Location::MobileRobot { mobile_robot: m, .. } if m == mobile_robot)
+            })
+            .map(|(id, _)| id.clone())
+            .collect();
+        for load in on_it {
+            self.emit(Fact::CustodyMoved {
+                load,
+                to: Location::Delivered { destination: transport.destination.clone() },
+                by: Evidence::MobileRobot { mobile_robot: mobile_robot.to_owned() },
+            });
+        }
+        self.emit(Fact::TransportEnded { mobile_robot: mobile_robot.to_owned() });
+        if let Some(job) = self.job(transport.job)
+            && job.state == crate::JobState::Suspended
+        {
+            self.withdraw(job.id, "the loads were delivered");
+            if job.why != crate::Why::Awaiting {
+                self.go(job.id, crate::JobState::Unsuspending, crate::Why::Awaiting, "delivered");
+            }
+        }
+    }
+
+    /// F20: it failed after departure.
+    fn fault_under_way(&mut self, signal: &Signal) {
+        if !signal.state.errors.iter().any(|e| e.fatal) {
+            return;
+        }
+        let transport = self.cell.book.mobiles.get(&signal.mobile_robot).and_then(|m| m.transport.clone());
+        let job = transport.and_then(|t| self.job(t.job));
+        if let Some(job) = job
+            && let Some(step) = job.find(Phase::Transport)
+            && job.step(step).is_some_and(|s| s.state == crate::StepState::Running)
+        {
+            self.transport_failed(&job, step);
+        }
+    }
+
+    /// A configured signal at a configured point starts a job.
+    fn trigger(&mut self, signal: &Signal) {
+        if self.cell.book.open_session_of(&signal.mobile_robot).is_some() {
+            return;
+        }
+        let Some(at) = &signal.state.at_point else { return };
+        let setup = self.cell.setup.clone();
+        for trigger in setup.triggers.iter().filter(|t| t.signal == signal.kind && t.point == *at) {
+            let waiting = self.cell.book.jobs.values().any(|j| {
+                !j.state.is_final()
+                    && j.trigger.as_deref() == Some(&trigger.id)
+                    && j.spec.mobile_robot.as_deref() == Some(&signal.mobile_robot)
+            });
+            let has_loads = trigger.job.workflow == crate::Workflow::PickupAndDelivery
+                || signal.state.loads.as_ref().is_none_or(|l| !l.is_empty());
+            if waiting || !has_loads {
+                continue;
+            }
+            let mut spec = trigger.job.clone();
+            spec.point.clone_from(&trigger.point);
+            spec.mobile_robot = Some(signal.mobile_robot.clone());
+            // A trigger that does not fit now starts nothing; the signal itself was fine.
+            let _created: Result<Uuid, Refusal> = self.create(spec, Some(trigger.id.clone()));
+        }
+    }
+}
+
+/// What would have been legal instead; `None`: this is.
+fn expected(session: &Session, order: Option<Uuid>, kind: SignalKind) -> Option<String> {
+    let state = session.state;
+    let faulted = state == SessionState::Faulted;
+    let other_order = order.is_some() && session.order.is_some() && order != session.order;
+    let legal = match kind {
+        SignalKind::MrAssigned => state == SessionState::Reserved && session.order.is_some() && !other_order,
+        SignalKind::MrArrived => {
+            faulted
+                || matches!(state, SessionState::AccessGranted | SessionState::AccessPending)
+                    && !other_order
+        }
+        SignalKind::MrDocked | SignalKind::MrDockFailed => {
+            faulted || state == SessionState::Positioned
+        }
+        SignalKind::MrReady => faulted || state == SessionState::Docked,
+        SignalKind::MrClear => {
+            faulted
+                || matches!(
+                    state,
+                    SessionState::ExitGranted | SessionState::Exited | SessionState::Canceling
+                )
+        }
+        SignalKind::MrRejected => state == SessionState::Reserved,
+        SignalKind::MrDelivered
+        | SignalKind::LoadChanged
+        | SignalKind::MrHeartbeat
+        | SignalKind::MrFault
+        | SignalKind::MrMode => true,
+    };
+    (!legal).then(|| format!("session {:?}", session.state))
+}
