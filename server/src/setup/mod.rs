@@ -18,6 +18,7 @@ mod calibrate;
 mod check;
 mod document;
 mod faults;
+mod for_workflows;
 pub(crate) mod geometry;
 pub(crate) mod model;
 pub(crate) mod path;
