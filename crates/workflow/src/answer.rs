@@ -59,7 +59,19 @@ impl Work<'_> {
         let Some(job) = question.job.and_then(|j| self.job(j)) else {
             return Err(conflict("its job is not known any more".into()));
         };
-        self.answer_job(&job, &question, decided, principal)
+        let reply = self.answer_job(&job, &question, decided, principal)?;
+        self.wait_anew(job.id);
+        Ok(reply)
+    }
+
+    /// A job that goes on undoing after an answer begins its waits anew.
+    fn wait_anew(&mut self, job: Uuid) {
+        let Some(job) = self.job(job).filter(|j| j.state == JobState::Stopping) else { return };
+        for (step, found) in job.steps.iter().enumerate() {
+            if found.state == StepState::Running && found.op.is_none() {
+                self.emit(Fact::StepResent { job: job.id, step });
+            }
+        }
     }
 
     fn answer_job(

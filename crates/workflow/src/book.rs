@@ -84,6 +84,9 @@ pub(crate) struct MobileLive {
     pub count: u64,
     /// The heartbeat timer ran out, and too few have come since.
     pub lost: bool,
+    /// The last number it used, heartbeats included.
+    pub boot: u64,
+    pub seq: u64,
     /// Its numbering is followed; not right after a restart, because heartbeats are not kept.
     pub synced: bool,
 }

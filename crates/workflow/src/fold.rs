@@ -234,9 +234,6 @@ impl Cell {
             }
             Fact::Signaled { signal, answer } => self.fold_signal(fresh, signal, answer),
             Fact::Beat { signal } => {
-                self.mobile_mut(&signal.mobile_robot, |m| {
-                    (m.boot, m.seq) = (signal.boot, signal.seq);
-                });
                 self.see(fresh, signal);
             }
             Fact::TransportBegun { mobile_robot, job, order, destination } => {
@@ -388,6 +385,12 @@ impl Cell {
             }
         });
         if matches!(answer, SignalAnswer::Parked) {
+            if let Some(live) = self.live.mobiles.get_mut(&signal.mobile_robot)
+                && live.boot != signal.boot
+            {
+                let live = Arc::make_mut(live);
+                (live.boot, live.seq) = (signal.boot, 0);
+            }
             return;
         }
         self.see(fresh, signal);
@@ -409,6 +412,7 @@ impl Cell {
         }
         let live = Arc::make_mut(self.live.mobiles.entry(signal.mobile_robot.clone()).or_default());
         live.state = Some(signal.state.clone());
+        (live.boot, live.seq) = (signal.boot, signal.seq);
         live.beats += 1;
         live.count += 1;
         live.lost &= live.beats < u64::from(self.setup.timers.heartbeats_to_resume);

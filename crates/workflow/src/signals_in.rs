@@ -33,14 +33,18 @@ impl Work<'_> {
         }
         let known = self.cell.book.mobiles.get(&id).cloned().unwrap_or_default();
         let got = || format!("boot {} seq {}", signal.boot, signal.seq);
-        if signal.boot < known.boot {
+        // Heartbeats are not kept, so after a restart of this process the next number is not known.
+        let live = self.cell.live.mobiles.get(&id).filter(|m| m.synced);
+        let synced = live.is_some();
+        let (boot, seq) = live.map_or((known.boot, known.seq), |m| (m.boot, m.seq));
+        if signal.boot < boot {
             return Ok(Reply::Signal(SignalAnswer::Conflict {
-                expected: format!("boot {}", known.boot),
+                expected: format!("boot {boot}"),
                 got: got(),
                 duplicate: false,
             }));
         }
-        let last = if signal.boot == known.boot { known.seq } else { 0 };
+        let last = if signal.boot == boot { seq } else { 0 };
         if signal.seq <= last {
             let stored = known.answers.iter().find(|(seq, _)| *seq == signal.seq);
             let answer = stored.map_or(SignalAnswer::Accepted { duplicate: true }, |(_, a)| {
@@ -48,9 +52,7 @@ impl Work<'_> {
             });
             return Ok(Reply::Signal(answer));
         }
-        // Heartbeats are not kept, so after a restart of this process the next number is not known.
-        let synced = self.cell.live.mobiles.get(&id).is_some_and(|m| m.synced);
-        let follows = signal.seq == last + 1 || (!synced && signal.boot == known.boot);
+        let follows = signal.seq == last + 1 || (!synced && signal.boot == boot);
         if !follows {
             if signal.seq == last + 2 {
                 if known.parked.as_ref() != Some(&signal) {

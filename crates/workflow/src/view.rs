@@ -386,8 +386,8 @@ impl Cell {
                     slots: m.slots.clone(),
                     heard: self.mobile_seen(&m.id).is_some(),
                     state: live.and_then(|l| l.state.clone()),
-                    boot: kept.map_or(0, |k| k.boot),
-                    last_seq: kept.map_or(0, |k| k.seq),
+                    boot: live.map_or_else(|| kept.map_or(0, |k| k.boot), |l| l.boot),
+                    last_seq: live.map_or_else(|| kept.map_or(0, |k| k.seq), |l| l.seq),
                     session: self.book.open_session_of(&m.id).map(|s| s.id),
                     destination: kept
                         .and_then(|k| k.transport.as_ref())

@@ -26,6 +26,13 @@ fn human(w: &mut World) {
     if !w.chance.hits(20) {
         return;
     }
+    let asked = w.open_question().is_some();
+    let waits = |w: &World| {
+        w.log.iter().rev().take(400).any(|l| l.contains("Held") || l.contains("Aborted"))
+    };
+    if !asked && !waits(w) {
+        return;
+    }
     for job in w.cell.jobs(w.now) {
         let command = match job.state {
             JobState::Held => Command::Unhold,
@@ -143,12 +150,14 @@ fn one(seed: u64) -> (u32, Vec<JobState>) {
     let over = |w: &World| {
         jobs.iter().all(|j| w.cell.job(w.now, *j).is_none_or(|j| j.state.is_final()))
     };
-    for _tick in 0..8_000 {
+    for tick in 0..8_000 {
         w.tick();
         human(&mut w);
-        w.judge_custody();
-        if over(&w) {
-            break;
+        if tick % 8 == 0 {
+            w.judge_custody();
+            if over(&w) {
+                break;
+            }
         }
     }
     w.odds = Odds::default();

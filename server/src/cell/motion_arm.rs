@@ -24,7 +24,9 @@ use crate::motions::{
 };
 use crate::problem::Problem;
 use crate::request_id::RequestId;
-use crate::setup::{Kept, Resolved, SetupBook, joint_path};
+use crate::setup::path::joint_path;
+use crate::setup::resolve::Resolved;
+use crate::setup::{Kept, SetupBook};
 use crate::state::Robot;
 
 /// Joint motions through free space, and near loads and in a zone: percent of the joints' own speeds.

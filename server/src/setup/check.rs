@@ -288,6 +288,24 @@ impl Setup {
                 );
             }
         }
+        for place in &self.places {
+            let Site::OnMobileRobot { point: _, slot } = &place.site else {
+                continue;
+            };
+            for load in &place.accepts {
+                let slots = self.mobile_robots.iter().flat_map(|robot| &robot.slots);
+                if !slots
+                    .filter(|known| known.id == *slot)
+                    .any(|known| known.accepts.contains(load))
+                {
+                    found(
+                        Severity::Warning,
+                        format!("places/{}", place.id),
+                        format!("no mobile robot takes `{load}` in its slot `{slot}`"),
+                    );
+                }
+            }
+        }
         for arm in &self.arms {
             let at_safe = [arm.safe];
             if let Err(violation) = self.check_path(arm, &at_safe) {

@@ -128,7 +128,7 @@ fn tree(text: &[u8], form: Form) -> Result<Value, DocumentError> {
                 DocumentError::Syntax {
                     form,
                     message,
-                    line: 1 + before.iter().filter(|byte| **byte == b'\n').count(),
+                    line: before.split(|byte| *byte == b'\n').count(),
                     column: offset - line_start.map_or(0, |newline| newline + 1) + 1,
                 }
             };

@@ -50,7 +50,7 @@ impl Setup {
                 .iter()
                 .map(|load| LoadSetup {
                     id: load.id.clone(),
-                    kind: load.load_type.clone(),
+                    kind: load.kind.clone(),
                     at: self.location_of(&load.at),
                 })
                 .collect(),

@@ -12,17 +12,17 @@
 //! ```
 
 mod body;
-mod book;
+pub(crate) mod book;
 mod build;
 mod calibrate;
 mod check;
 mod document;
 mod faults;
 mod for_workflows;
-mod geometry;
-mod model;
-mod path;
-mod resolve;
+pub(crate) mod geometry;
+pub(crate) mod model;
+pub(crate) mod path;
+pub(crate) mod resolve;
 mod resource;
 mod store;
 mod teach;
@@ -30,16 +30,11 @@ mod teach;
 mod tests;
 mod text;
 
-pub(crate) use book::{BasedOn, ChangeError, Edit, Kept, SetupBook};
+pub(crate) use book::{BasedOn, ChangeError, Edit, SetupBook};
 pub(crate) use calibrate::{Calibration, CalibrationError, MAX_RESIDUAL_MM, four_point};
 pub(crate) use document::{DocumentError, Form, parse_part, parse_setup, write_setup};
 pub(crate) use faults::Faults;
 pub use faults::SetupErrors;
-pub(crate) use path::joint_path;
-pub(crate) use resolve::Resolved;
-pub(crate) use geometry::DockPose;
-pub(crate) use model::Setup;
-pub(crate) use resolve::{Dock, ResolveError, Target};
 pub(crate) use resource::{Part, Resource, find, put, remove};
 pub use store::StoreError;
 pub(crate) use teach::flange_of_body;

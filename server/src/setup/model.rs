@@ -158,7 +158,8 @@ pub(crate) struct Route {
 #[derive(Clone, Debug)]
 pub(crate) struct Load {
     pub(crate) id: String,
-    pub(crate) load_type: String,
+    /// Its type.
+    pub(crate) kind: String,
     pub(crate) at: Whereabouts,
 }
 
@@ -182,10 +183,6 @@ impl Setup {
     /// A load-handling point by `station/point`.
     pub(crate) fn point(&self, id: &str) -> Option<&LoadPoint> {
         self.points.iter().find(|point| point.id == id)
-    }
-
-    pub(crate) fn zone(&self, id: &str) -> Option<&Zone> {
-        self.zones.iter().find(|zone| zone.id == id)
     }
 
     pub(crate) fn taught(&self, arm: &str, place: &str) -> Option<&Taught> {

@@ -8,3 +8,4 @@ mod refusing;
 mod resolving;
 mod support;
 mod teaching;
+mod workflows;

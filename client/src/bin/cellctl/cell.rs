@@ -86,10 +86,9 @@ pub(crate) async fn run(args: CellArgs, context: &Context) -> Result<Report, Fai
         }
         CellCommand::Export { format, output } => {
             let form = match (format, &output) {
-                (Some(FormWord::Toml), _) => SetupForm::Toml,
                 (Some(FormWord::Json), _) => SetupForm::Json,
                 (None, Some(path)) => form_of(path),
-                (None, None) => SetupForm::Toml,
+                (Some(FormWord::Toml), _) | (None, None) => SetupForm::Toml,
             };
             let Tagged { etag, value: text } = setup.export(form).await?;
             let Some(output) = output else {
@@ -156,9 +155,12 @@ fn imported(revision: &SetupRevision) -> String {
 }
 
 fn summary(cell: &str, file: &SetupFile, etag: &str) -> String {
-    let names = |names: Vec<&str>| match names.is_empty() {
-        true => "none".to_owned(),
-        false => names.join(", "),
+    let names = |names: Vec<&str>| {
+        if names.is_empty() {
+            "none".to_owned()
+        } else {
+            names.join(", ")
+        }
     };
     let points = file.stations.iter().flat_map(|station| {
         let points = station.points.iter();

@@ -232,6 +232,9 @@ impl Work<'_> {
             return;
         }
         let stopping = job.state == JobState::Stopping;
+        if stopping && self.undo_needs_session(job) {
+            return;
+        }
         for (index, step) in job.steps.iter().enumerate() {
             let counts = !stopping || step.plan.undo;
             let ready = step.plan.needs.iter().all(|need| {
@@ -256,6 +259,20 @@ impl Work<'_> {
                 return;
             }
         }
+    }
+
+    /// An undoing that has to enter the zone needs the session back, as soon as everything is well.
+    fn undo_needs_session(&mut self, job: &Job) -> bool {
+        let zone = job.steps.iter().any(|s| {
+            s.plan.undo && !s.state.is_done() && s.plan.place.as_ref().is_some_and(crate::PlaceRef::in_zone)
+        });
+        let Some(session) = self.cell.session_of(job).cloned() else { return false };
+        let docked = session.faulted.is_some_and(|(from, _)| from.is_docked());
+        let needed = zone && docked && self.may_resume(job).is_ok();
+        if needed {
+            self.continue_session(&session);
+        }
+        needed
     }
 
     /// Brings the PackML state in line with what the steps do. True if it had to change.

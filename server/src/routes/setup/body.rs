@@ -15,7 +15,7 @@ use crate::setup::{BasedOn, Form};
 const MAX_SETUP_BYTES: usize = 1024 * 1024;
 
 pub(super) const TOML: &str = "application/toml";
-const JSON: &str = "application/json";
+pub(super) const JSON: &str = "application/json";
 
 /// A whole set-up as it was sent.
 pub(super) async fn document(

@@ -41,23 +41,22 @@ pub(super) async fn check_setup(
             .get(header::CONTENT_LENGTH)
             .is_some_and(|length| length != "0")
         || request.headers().contains_key(header::TRANSFER_ENCODING);
-    let text = match brings_its_own {
-        true => Some(document(request, &app.server).await?),
-        false => None,
+    let text = if brings_its_own {
+        Some(document(request, &app.server).await?)
+    } else {
+        None
     };
     // Thousands of inverse kinematics: not on a thread that answers others.
-    let checking = tokio::task::spawn_blocking(move || match text {
-        Some((text, form)) => {
+    let checking = tokio::task::spawn_blocking(move || {
+        if let Some((text, form)) = text {
             let file = parse_setup(&text, form)?;
-            Ok(book.checked(&file)?.check())
+            return Ok(book.checked(&file)?.check());
         }
-        None => {
-            let kept = book.current();
-            Ok(SetupCheck {
-                revision: Some(kept.revision),
-                ..kept.setup.check()
-            })
-        }
+        let kept = book.current();
+        Ok(SetupCheck {
+            revision: Some(kept.revision),
+            ..kept.setup.check()
+        })
     });
     match checking.await {
         Ok(checked) => checked.map(Json),

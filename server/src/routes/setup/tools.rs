@@ -1,8 +1,3 @@
-#![expect(
-    non_snake_case,
-    reason = "frames are part of a pose's name: X_WF is the flange F in the world W"
-)]
-
 use std::sync::Arc;
 
 use api::setup::{CalibrationBody, CalibrationPoint, CalibrationRecord, CalibrationResult};
@@ -73,7 +68,7 @@ pub(super) async fn calibrate_tool(
         rms,
         max,
         uncertainty,
-    } = four_point(&flanges, limit).map_err(refused)?;
+    } = four_point(&flanges, limit).map_err(|error| refused(&error))?;
     let turned = orientation.unwrap_or(PoseBody {
         x_mm: 0.0,
         y_mm: 0.0,
@@ -100,6 +95,6 @@ pub(super) async fn calibrate_tool(
     }))
 }
 
-fn refused(error: CalibrationError) -> Problem {
+fn refused(error: &CalibrationError) -> Problem {
     Problem::new(ProblemCode::CalibrationRefused, error.to_string())
 }

@@ -4,9 +4,9 @@ use api::setup::{SetupFile, SetupRevision};
 use axum::Json;
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, header};
-use axum::response::{IntoResponse as _, Response};
+use axum::response::Response;
 
-use super::body::{TOML, based_on, document, tagged, wanted};
+use super::body::{JSON, TOML, based_on, document, tagged, wanted};
 use super::problems::ChangeProblem;
 use crate::problem::Problem;
 use crate::routes::params::{CellId, CellPath};
@@ -33,13 +33,13 @@ pub(super) async fn get_setup(
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     let kept = app.cell(&cell)?.setup.current();
-    let answer = match wanted(&headers) {
-        Form::Json => Json(&kept.file).into_response(),
-        Form::Toml => {
-            let text = write_setup(&kept.file, Form::Toml);
-            ([(header::CONTENT_TYPE, TOML)], text).into_response()
-        }
+    let form = wanted(&headers);
+    let media_type = match form {
+        Form::Json => JSON,
+        Form::Toml => TOML,
     };
+    let text = write_setup(&kept.file, form);
+    let answer = ([(header::CONTENT_TYPE, media_type)], text);
     Ok(tagged(&kept.etag, answer))
 }
 

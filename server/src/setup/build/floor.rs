@@ -371,7 +371,7 @@ pub(super) fn loads(faults: &mut Faults, refs: &Refs<'_>) -> Vec<Load> {
         }
         checked.push(Load {
             id: body.id.clone(),
-            load_type: body.load_type.clone(),
+            kind: body.load_type.clone(),
             at,
         });
     }

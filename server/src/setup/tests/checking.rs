@@ -94,8 +94,8 @@ box.max = { x_mm = -420, y_mm = 900, z_mm = 1500 }
     let arm = setup.arm("r1").unwrap();
     let reject = setup.resolve(
         "r1",
-        crate::setup::Target::ApproachOf("reject"),
-        crate::setup::Dock::Nominal,
+        crate::setup::resolve::Target::ApproachOf("reject"),
+        crate::setup::resolve::Dock::Nominal,
     );
     let reject = reject.unwrap().joints;
     assert_eq!(setup.check_path(arm, &[arm.safe]), Ok(()));
@@ -207,6 +207,11 @@ fn what_nobody_can_use_is_a_warning() {
         "from = \"handover/front\"\nto = \"warehouse/gate\"",
         "from = \"warehouse/gate\"\nto = \"handover/front\"",
     );
+    let text = with(
+        &text,
+        "slot = \"left\"\naccepts = [\"crate\"]",
+        "slot = \"left\"\naccepts = [\"crate\", \"drum\"]",
+    );
     let check = setup(&format!("{text}{extra}")).check();
     assert!(check.passed);
     let said: Vec<_> = check
@@ -214,7 +219,14 @@ fn what_nobody_can_use_is_a_warning() {
         .iter()
         .map(|found| found.item.as_str())
         .collect();
-    assert_eq!(said, ["places/shelf", "destinations/warehouse"]);
+    assert_eq!(
+        said,
+        [
+            "places/shelf",
+            "places/front/left",
+            "destinations/warehouse"
+        ]
+    );
 }
 
 #[test]

@@ -82,8 +82,7 @@ fn m11_a_callback_address_is_no_part_of_a_set_up() {
 
 #[test]
 fn a_list_is_no_object_whose_keys_were_left_out() {
-    let pose =
-        r#"pose = { x_mm = 500, y_mm = 1000, z_mm = 650, w_deg = 180, p_deg = 0, r_deg = 90 }"#;
+    let pose = "pose = { x_mm = 500, y_mm = 1000, z_mm = 650, w_deg = 180, p_deg = 0, r_deg = 90 }";
     let text = with(DEMO, pose, "pose = [500, 1000, 650, 180, 0, 90]");
     let said = wrong(&text, Form::Toml);
     assert_eq!(

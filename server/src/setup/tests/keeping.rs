@@ -6,12 +6,12 @@ use super::support::{DEMO, file, robots};
 use crate::config::SetupSource;
 use crate::setup::{BasedOn, ChangeError, Edit, Resource, SetupBook, StoreError};
 
-fn book(source: SetupSource) -> Arc<SetupBook> {
-    Arc::new(SetupBook::open(Some(&source), robots()).unwrap())
+fn book(source: &SetupSource) -> Arc<SetupBook> {
+    Arc::new(SetupBook::open(Some(source), robots()).unwrap())
 }
 
 fn in_memory() -> Arc<SetupBook> {
-    book(SetupSource::Memory(DEMO.to_owned()))
+    book(&SetupSource::Memory(DEMO.to_owned()))
 }
 
 fn based_on(etag: &str) -> BasedOn {
@@ -98,7 +98,7 @@ async fn a_change_is_in_the_file_before_anyone_hears_of_it_and_holds_after_a_res
     let path = folder.path().join("cell.setup.toml");
     std::fs::write(&path, DEMO).unwrap();
     let source = SetupSource::File(path.clone());
-    let first = book(source.clone());
+    let first = book(&source);
     assert_eq!(first.current().revision, 1);
     let etag = first.current().etag.clone();
     let changed = first
@@ -113,7 +113,7 @@ async fn a_change_is_in_the_file_before_anyone_hears_of_it_and_holds_after_a_res
     let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().collect();
     assert_eq!(left.len(), 1, "{left:?}");
 
-    let again = book(source.clone());
+    let again = book(&source);
     let kept = again.current();
     assert_eq!((kept.revision, &kept.etag), (2, &changed.etag));
     assert_eq!(kept.file, first.current().file);
@@ -122,7 +122,7 @@ async fn a_change_is_in_the_file_before_anyone_hears_of_it_and_holds_after_a_res
         .unwrap()
         .replace("Kept", "By hand");
     std::fs::write(&path, text).unwrap();
-    let edited = book(source);
+    let edited = book(&source);
     assert_eq!(edited.current().revision, 2);
     assert_ne!(edited.current().etag, changed.etag);
 }
@@ -131,7 +131,7 @@ async fn a_change_is_in_the_file_before_anyone_hears_of_it_and_holds_after_a_res
 async fn what_cannot_be_written_is_not_changed() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("gone").join("cell.setup.toml");
-    let book = book(SetupSource::File(path.clone()));
+    let book = book(&SetupSource::File(path.clone()));
     assert_eq!(book.current().file, SetupFile::empty());
     let etag = book.current().etag.clone();
     let change = || book.change(based_on(&etag), Resource::Header, rename("Lost"));
@@ -150,7 +150,7 @@ async fn what_cannot_be_written_is_not_changed() {
 async fn a_change_is_carried_to_its_end_when_the_caller_goes_away() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("cell.setup.toml");
-    let book = book(SetupSource::File(path.clone()));
+    let book = book(&SetupSource::File(path.clone()));
     let mut watched = book.watch();
     watched.mark_unchanged();
     let etag = book.current().etag.clone();

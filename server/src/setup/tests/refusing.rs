@@ -1,5 +1,5 @@
 use super::support::{DEMO, PAIR, errors, file, robots, with};
-use crate::setup::Setup;
+use crate::setup::model::Setup;
 
 /// One thing exchanged in a file that fits, and the beginning of what is said about it.
 const CASES: &[(&str, &str, &str)] = &[

@@ -2,7 +2,7 @@ use units::{Degrees, Millimeters};
 
 use super::support::{DEMO, PAIR, setup};
 use crate::setup::geometry::{DockPose, origin_of};
-use crate::setup::{Dock, ResolveError, Target};
+use crate::setup::resolve::{Dock, ResolveError, Target};
 
 fn dock(x: f64, y: f64, heading: f64) -> Dock {
     Dock::Measured(DockPose {
@@ -72,6 +72,7 @@ fn the_controller_is_told_the_point_in_its_own_frames() {
         (point.z.0 - (600.0 + 150.0 - 525.0)).abs() < 1e-9,
         "{point}"
     );
+    assert_eq!(told.configuration.to_string(), "N U T, 0, 0, 0");
     let arm = setup.arm("r1").unwrap();
     let (apart, turned) = arm.tip(&told.joints).distance_to(&told.X_CT);
     assert!(apart.0 < 1e-6 && turned.0 < 1e-9);

@@ -3,7 +3,8 @@ use std::sync::Arc;
 use api::setup::SetupFile;
 
 use crate::config::{CellSection, Plan, RobotPlan, RobotSection, ServerSection};
-use crate::setup::{Form, Setup, SetupErrors, parse_setup};
+use crate::setup::model::Setup;
+use crate::setup::{Form, SetupErrors, parse_setup};
 
 /// The set-up of the demo cell.
 pub(super) const DEMO: &str = include_str!("../../../../cell/demo.setup.toml");
