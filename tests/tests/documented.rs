@@ -99,9 +99,10 @@ async fn the_readmes_lines_work_when_they_are_pasted() -> anyhow::Result<()> {
                 .body(body.clone()),
             None => http.get(&url),
         };
-        let request = match curl.has_control {
-            true => request.header("control-token", &control),
-            false => request,
+        let request = if curl.has_control {
+            request.header("control-token", &control)
+        } else {
+            request
         };
         let answer = answer(request).await.with_context(|| format!("{curl:?}"))?;
         if curl.takes_control {
