@@ -34,16 +34,22 @@ fn robocell(config: &ConfigFile) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_robocell"));
     let _command = command
         .env_remove("ROBOCELL_DEMO")
-        .arg("--demo")
         .arg("--config")
         .arg(&config.0);
+    command
+}
+
+/// As [`robocell`], asking nobody for a token.
+fn demo(config: &ConfigFile) -> Command {
+    let mut command = robocell(config);
+    let _command = command.arg("--demo");
     command
 }
 
 /// What it says about a configuration that it must refuse.
 fn complaint(name: &str, text: &str) -> String {
     let config = ConfigFile::new(name, text);
-    let Output { status, stderr, .. } = robocell(&config).output().unwrap();
+    let Output { status, stderr, .. } = demo(&config).output().unwrap();
     assert_eq!(status.code(), Some(2), "{text}");
     String::from_utf8(stderr).unwrap()
 }
@@ -70,27 +76,34 @@ struct Running {
 
 impl Running {
     fn start(config: &ConfigFile) -> Self {
-        let mut process = robocell(config)
+        Self::of(demo(config)).0
+    }
+
+    /// Starts it; answers what it said up to the address of the API, too.
+    fn of(mut command: Command) -> (Self, String) {
+        let mut process = command
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
         let mut output = BufReader::new(process.stdout.take().unwrap());
         let mut http = None;
-        let mut line = String::new();
-        while http.is_none() && output.read_line(&mut line).unwrap() > 0 {
-            http = line
+        let mut said = String::new();
+        let mut begin = 0;
+        while http.is_none() && output.read_line(&mut said).unwrap() > 0 {
+            http = said[begin..]
                 .split_whitespace()
                 .find(|word| word.starts_with("http://"))
                 .map(str::to_owned);
-            line.clear();
+            begin = said.len();
         }
         let http = http.expect("the banner names the address of the API");
-        Self {
+        let running = Self {
             process,
             http,
             _output: output,
-        }
+        };
+        (running, said)
     }
 }
 
@@ -237,7 +250,7 @@ fn two_controllers_of_one_name_are_refused_before_anything_starts() {
         "one-name",
         &format!("{text}[[virtual_controllers]]{section}"),
     );
-    let Output { status, stderr, .. } = robocell(&config).arg("--check").output().unwrap();
+    let Output { status, stderr, .. } = demo(&config).arg("--check").output().unwrap();
     let said = String::from_utf8(stderr).unwrap();
     assert_eq!(status.code(), Some(2), "{said}");
     assert!(
@@ -279,7 +292,7 @@ fn a_program_that_is_missing_or_not_karel_is_named() {
 #[test]
 fn a_checked_configuration_starts_nothing() {
     let config = ConfigFile::new("check", &cell(any_port(), any_port()));
-    let mut process = robocell(&config)
+    let mut process = demo(&config)
         .arg("--check")
         .stdout(Stdio::piped())
         .spawn()
@@ -294,6 +307,121 @@ fn a_checked_configuration_starts_nothing() {
     assert!(process.wait().unwrap().success());
     assert!(
         said.contains("1 cell, 1 robot, 1 virtual controller;"),
+        "{said}"
+    );
+}
+
+#[test]
+fn without_tokens_and_without_the_word_demo_it_does_not_start() {
+    let config = ConfigFile::new("nobody", &cell(any_port(), any_port()));
+    for check in [&[][..], &["--check"]] {
+        let Output { status, stderr, .. } = robocell(&config).args(check).output().unwrap();
+        let said = String::from_utf8(stderr).unwrap();
+        assert_eq!(status.code(), Some(2), "{said}");
+        assert!(
+            said.contains("[identity]") && said.contains("--demo"),
+            "{said}"
+        );
+    }
+    let both = format!(
+        "[identity]\npath = \"t.json\"\n{}",
+        cell(any_port(), any_port())
+    );
+    let said = complaint("both", &both);
+    assert!(said.contains("exclude one another"), "{said}");
+    let elsewhere = SocketAddr::from((Ipv4Addr::UNSPECIFIED, 0));
+    let said = complaint("remote-demo", &cell(elsewhere, any_port()));
+    assert!(
+        said.contains("server.listen") && said.contains("demo"),
+        "{said}"
+    );
+}
+
+/// O5, and the canary: no token comes into the log, however much is logged.
+#[tokio::test]
+async fn o5_the_first_start_shows_one_admin_token_and_nothing_shows_it_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let tokens = folder.path().join("tokens.json");
+    let text = format!(
+        "[identity]\npath = \"{}\"\n{}",
+        tokens.display(),
+        cell(any_port(), any_port())
+    );
+    let config = ConfigFile::new("first-start", &text);
+    let tracing = || {
+        let mut command = robocell(&config);
+        let _command = command.args(["--log", "trace"]);
+        command
+    };
+    // A check makes nothing.
+    let checked = robocell(&config).arg("--check").output().unwrap();
+    assert!(checked.status.success() && !tokens.exists());
+
+    let (mut running, said) = Running::of(tracing());
+    let shown: Vec<_> = said
+        .split_whitespace()
+        .filter(|word| word.starts_with("cell_"))
+        .collect();
+    let [admin] = shown[..] else {
+        panic!("{said}");
+    };
+    let secret = |text: &str| api::TokenSecret::new(text.to_owned());
+    let anybody = Client::new(&running.http).unwrap();
+    assert_eq!(anybody.cells().await.unwrap_err().status(), Some(401));
+    let admins = anybody.with_token(&secret(admin)).unwrap();
+    assert_eq!(admins.me().await.unwrap().roles, [api::Role::Admin]);
+    assert_eq!(
+        admins.legacy_home(None).await.unwrap_err().status(),
+        Some(403)
+    );
+    let body = api::TokenBody {
+        name: "alice".to_owned(),
+        role: api::Role::Operator,
+        scope: api::TokenScope::default(),
+        expires_in_days: None,
+    };
+    let alice = admins.create_token(&body).await.unwrap().token;
+    let alices = anybody.with_token(&alice).unwrap();
+    let _moved = alices.legacy_home(None).await.unwrap();
+    let forged = format!("{}f", &admin[..admin.len() - 1]);
+    let forger = anybody.with_token(&secret(&forged)).unwrap();
+    assert_eq!(forger.cells().await.unwrap_err().status(), Some(401));
+    assert!(!format!("{admins:?}{alice:?}").contains(admin.rsplit('_').next().unwrap()));
+
+    let mut errors = running.process.stderr.take().unwrap();
+    running.process.kill().unwrap();
+    let mut log = String::new();
+    let _length = errors.read_to_string(&mut log).unwrap();
+    assert!(
+        log.contains("DEBUG") && log.contains("token.create"),
+        "{log}"
+    );
+    let line = log
+        .lines()
+        .find(|line| line.contains("/fanuc/home") && line.contains("alice"));
+    assert!(line.is_some(), "the log says who moved the robot: {log}");
+    for token in [admin, alice.reveal(), &forged] {
+        let secret = token.rsplit('_').next().unwrap();
+        assert!(!log.contains(secret), "a secret is in the log");
+    }
+    drop(running);
+
+    let (_running, said) = Running::of(tracing());
+    assert!(!said.contains("cell_") && !said.contains("DEMO"), "{said}");
+    let (_running, said) = {
+        let mut command = tracing();
+        let _command = command.arg("--new-admin-token");
+        Running::of(command)
+    };
+    assert!(said.contains("cell_"), "{said}");
+}
+
+#[test]
+fn a_demo_says_so_loudly() {
+    let config = ConfigFile::new("loud", &cell(any_port(), any_port()));
+    let (_running, said) = Running::of(demo(&config));
+    assert!(
+        said.contains("DEMO MODE: nobody is asked for a token."),
         "{said}"
     );
 }

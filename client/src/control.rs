@@ -97,14 +97,10 @@ impl Control {
         let heart = tokio::spawn(async move {
             loop {
                 tokio::time::sleep(every).await;
-                match control.heartbeat(id).await {
-                    Ok(_) => {}
-                    // The server has decided; anything else may pass before the lease does.
-                    Err(error @ ClientError::Problem(_)) => {
-                        let _old = lost.send_replace(Some(error.to_string()));
-                        return;
-                    }
-                    Err(_) => {}
+                // A problem is the server's decision; anything else may pass before the lease does.
+                if let Err(error @ ClientError::Problem(_)) = control.heartbeat(id).await {
+                    let _old = lost.send_replace(Some(error.to_string()));
+                    return;
                 }
             }
         });

@@ -34,7 +34,9 @@ async fn cellctl(
 
 #[tokio::test]
 async fn a_move_from_the_terminal_moves_the_arm() -> anyhow::Result<()> {
-    let cell = TestCell::start().await?;
+    let mut cell = TestCell::start().await?;
+    // cellctl takes it by itself.
+    cell.give_up_control().await?;
     let (code, said, wrong) = cellctl(&cell, "move 600 200 600 -180 30 0 --speed 300").await?;
     assert_eq!((code, &*wrong), (Some(0), ""));
     assert!(
@@ -53,7 +55,9 @@ async fn a_move_from_the_terminal_moves_the_arm() -> anyhow::Result<()> {
 
 #[tokio::test]
 async fn a_refusal_says_each_thing_once_and_the_arm_stands_still() -> anyhow::Result<()> {
-    let cell = TestCell::start().await?;
+    let mut cell = TestCell::start().await?;
+    // cellctl takes it by itself.
+    cell.give_up_control().await?;
     for (arguments, code, begin) in [
         (
             "move 5000 0 900 180 0 0",

@@ -40,6 +40,7 @@ pub(crate) async fn edge(
     let limit = app.server.request_timeout;
     let admitted = guard::check(&method, request.headers(), &app.server.allowed_hosts)
         .and_then(|()| admit(&app, &mut request, route.as_ref(), &request_id));
+    let who = admitted.as_ref().ok().cloned();
     let mut response = match admitted {
         Ok(principal) => {
             let _same = span.record("principal", principal.name());
@@ -66,7 +67,17 @@ pub(crate) async fn edge(
         status,
         took,
     );
-    span.in_scope(|| tracing::debug!(status = status.as_u16(), ?took, "answered"));
+    match who.filter(|who| who.token().is_some() && !method.is_safe()) {
+        Some(who) => tracing::info!(
+            request_id = &*request_id,
+            principal = who.name(),
+            %method,
+            path = uri.path(),
+            status = status.as_u16(),
+            "answered"
+        ),
+        None => span.in_scope(|| tracing::debug!(status = status.as_u16(), ?took, "answered")),
+    }
     response
 }
 

@@ -59,6 +59,14 @@ impl TestCell {
         Ok((cell, stepper))
     }
 
+    /// Gives back control of the cell, which the client holds from the start.
+    ///
+    /// # Errors
+    /// If the server does not take it.
+    pub async fn give_up_control(&mut self) -> anyhow::Result<()> {
+        self.server.give_up_control().await
+    }
+
     /// Where the server listens.
     #[must_use]
     pub fn server_address(&self) -> SocketAddr {

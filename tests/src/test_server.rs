@@ -2,7 +2,8 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 
 use anyhow::Context;
-use client::{Client, Robot};
+use api::{AcquireBody, Station};
+use client::{Client, HeldControl, Robot};
 use server::config::{CellSection, RobotSection, ServerSection};
 use server::{Connector, Plan, Seams, ServeError, SharedJournal, SystemClock, TcpConnector};
 use tokio::net::TcpListener;
@@ -27,6 +28,7 @@ pub fn robot_at(controller: SocketAddr) -> RobotSection {
 pub struct TestServer {
     address: SocketAddr,
     client: Client,
+    control: Option<HeldControl>,
     task: JoinHandle<Result<(), ServeError>>,
     stop: DropGuard,
 }
@@ -68,12 +70,34 @@ impl TestServer {
             clock: Arc::new(SystemClock),
             journal: SharedJournal::volatile(),
         };
+        let task = tokio::spawn(server::run(listener, plan, seams, stop.clone()));
+        let client = Client::new(&format!("http://{address}"))?;
+        let terms = AcquireBody {
+            station: Station::Remote,
+            ttl_s: Some(60),
+            loss_behavior: None,
+            reason: "a test".to_owned(),
+            preempt: false,
+        };
+        let control = client.control(CELL).hold(&terms).await?;
         Ok(Self {
             address,
-            client: Client::new(&format!("http://{address}"))?,
-            task: tokio::spawn(server::run(listener, plan, seams, stop.clone())),
+            client: client.with_control(control.token()),
+            control: Some(control),
+            task,
             stop: stop.drop_guard(),
         })
+    }
+
+    /// Gives back control of the cell, which the client holds from the start; it cannot move the robot any more.
+    ///
+    /// # Errors
+    /// If the server does not take it.
+    pub async fn give_up_control(&mut self) -> anyhow::Result<()> {
+        if let Some(control) = self.control.take() {
+            let _view = control.release().await?;
+        }
+        Ok(())
     }
 
     /// Where the server listens.
@@ -82,7 +106,7 @@ impl TestServer {
         self.address
     }
 
-    /// A client of the server.
+    /// A client of the server that has control of the cell.
     #[must_use]
     pub fn client(&self) -> &Client {
         &self.client

@@ -15,6 +15,9 @@ const README: &str = include_str!("../../README.md");
 struct Curl {
     url: String,
     body: Option<String>,
+    /// Its answer's token goes into the variable `CONTROL`.
+    takes_control: bool,
+    has_control: bool,
 }
 
 /// The `curl` lines of a Markdown text, continued lines joined.
@@ -22,9 +25,20 @@ fn curls(markdown: &str) -> Vec<Curl> {
     let joined = markdown.replace("\\\n", " ");
     joined
         .lines()
-        .filter_map(|line| line.strip_prefix("curl "))
-        .map(|line| {
-            let mut curl = Curl::default();
+        .filter_map(|line| {
+            let taking = line.strip_prefix("CONTROL=$(curl ");
+            let taking = taking.and_then(|line| line.split(" | sed ").next());
+            let plain = line.strip_prefix("curl ");
+            taking
+                .map(|line| (line, true))
+                .or(plain.map(|line| (line, false)))
+        })
+        .map(|(line, takes_control)| {
+            let mut curl = Curl {
+                takes_control,
+                has_control: line.contains("-H \"Control-Token: $CONTROL\""),
+                ..Curl::default()
+            };
             let mut words = words(line).into_iter();
             while let Some(word) = words.next() {
                 match word.as_str() {
@@ -62,11 +76,16 @@ async fn answer(request: RequestBuilder) -> anyhow::Result<String> {
 
 #[tokio::test]
 async fn the_readmes_lines_work_when_they_are_pasted() -> anyhow::Result<()> {
-    let cell = TestCell::start().await?;
+    let mut cell = TestCell::start().await?;
+    cell.give_up_control().await?;
     let panel = cell.emulator().panel_address().context("no panel")?;
     let http = reqwest::Client::new();
     let curls = curls(README);
-    let moves = curls.iter().filter(|curl| curl.body.is_some()).count();
+    let moves = curls
+        .iter()
+        .filter(|curl| curl.body.is_some() && !curl.takes_control)
+        .count();
+    let mut control = String::new();
     assert_eq!(moves, 2, "{curls:?}");
     for curl in &curls {
         let url = curl
@@ -81,7 +100,21 @@ async fn the_readmes_lines_work_when_they_are_pasted() -> anyhow::Result<()> {
                 .body(body.clone()),
             None => http.get(&url),
         };
-        let _ = answer(request).await.with_context(|| format!("{curl:?}"))?;
+        let request = if curl.has_control {
+            request.header("control-token", &control)
+        } else {
+            request
+        };
+        let answer = answer(request).await.with_context(|| format!("{curl:?}"))?;
+        if curl.takes_control {
+            // As the line's `sed` cuts it out.
+            let (_, token) = answer.split_once("\"token\":\"").context("no token")?;
+            token
+                .split('"')
+                .next()
+                .unwrap_or_default()
+                .clone_into(&mut control);
+        }
     }
     let state = cell.wait_until_finished(moves, LONG).await?;
     assert!((state.pose.x_mm - 985.0).abs() < 0.01, "{:?}", state.pose);
@@ -90,7 +123,8 @@ async fn the_readmes_lines_work_when_they_are_pasted() -> anyhow::Result<()> {
 
 #[tokio::test]
 async fn the_examples_of_the_openapi_document_work_when_they_are_tried() -> anyhow::Result<()> {
-    let cell = TestCell::start().await?;
+    let mut cell = TestCell::start().await?;
+    cell.give_up_control().await?;
     let base = format!("http://{}", cell.server_address());
     let http = reqwest::Client::new();
     let document = answer(http.get(format!("{base}/api/v1/openapi.json"))).await?;
@@ -98,14 +132,22 @@ async fn the_examples_of_the_openapi_document_work_when_they_are_tried() -> anyh
     // A relative move needs a target to count from.
     let _ = answer(http.post(format!("{base}/fanuc/home"))).await?;
     let paths = document["paths"].as_object().context("no paths")?;
+    let mut control = String::new();
     let mut bodies = 0;
     for (path, item) in paths {
         for (method, operation) in item.as_object().context("no operations")? {
             let Some(path) = filled(path, operation) else {
                 continue;
             };
+            // In a demo there are none.
+            if path.starts_with("/api/v1/tokens") {
+                continue;
+            }
             let method: Method = method.to_uppercase().parse()?;
             let mut request = http.request(method.clone(), format!("{base}{path}"));
+            if !control.is_empty() {
+                request = request.header("control-token", &control);
+            }
             let schema = &operation["requestBody"]["content"]["application/json"]["schema"];
             if let Some(reference) = schema["$ref"].as_str() {
                 let schema = document.pointer(reference.trim_start_matches('#'));
@@ -117,12 +159,19 @@ async fn the_examples_of_the_openapi_document_work_when_they_are_tried() -> anyh
                     .body(example.to_string());
                 bodies += 1;
             }
-            let _ = answer(request)
+            let answer = answer(request)
                 .await
                 .with_context(|| format!("{method} {path}"))?;
+            if method == Method::POST && path.ends_with("/control-authority") {
+                let lease: Value = serde_json::from_str(&answer)?;
+                lease["token"]
+                    .as_str()
+                    .context("no token")?
+                    .clone_into(&mut control);
+            }
         }
     }
-    assert_eq!(bodies, 5);
+    assert_eq!(bodies, 6);
     cell.shutdown().await
 }
 

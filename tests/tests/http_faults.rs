@@ -37,7 +37,9 @@ impl Line {
         timeouts: Timeouts,
     ) -> anyhow::Result<Self> {
         let robot = FakeRobot::start(script).await?;
-        let server = TestServer::start(robot_at(robot.address())).await?;
+        let mut server = TestServer::start(robot_at(robot.address())).await?;
+        // The client of these tests is one of its own.
+        server.give_up_control().await?;
         let proxy = ChaosProxy::start(server.address()).await?;
         proxy.set(mode).await?;
         let client = Client::with_timeouts(&format!("http://{}", proxy.address()), timeouts)?;

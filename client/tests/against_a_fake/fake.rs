@@ -134,14 +134,16 @@ async fn answer(
         body: serde_json::from_slice(&body).unwrap_or(Value::Null),
     };
     let is_control = request.line.contains("/control-authority");
-    let answer = match is_control {
-        true => Answer::Json(samples::control(request.line.starts_with("DELETE"))),
-        false => script(&request),
+    let answer = if is_control {
+        Answer::Json(samples::control(request.line.starts_with("DELETE")))
+    } else {
+        script(&request)
     };
     let sent_id = request.request_id.clone();
-    match is_control {
-        true => controls.lock().unwrap().push(request.line),
-        false => seen.lock().unwrap().push(request),
+    if is_control {
+        controls.lock().unwrap().push(request.line);
+    } else {
+        seen.lock().unwrap().push(request);
     }
     let id = match &answer {
         Answer::OfAnother(id) => Some((*id).to_owned()),

@@ -8,7 +8,8 @@ use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
 use axum::http::{HeaderMap, HeaderName};
 
-use super::control::{CellControl, Refused};
+use super::control::CellControl;
+use super::said::Refused;
 use crate::identity::Principal;
 use crate::problem::Problem;
 use crate::state::App;
@@ -118,12 +119,12 @@ fn invalid(message: &str) -> Problem {
 
 impl From<Refused> for Problem {
     fn from(refused: Refused) -> Self {
-        let hint = match refused.code {
-            ProblemCode::ControlHeld => {
-                "Wait until it is given back or ends; at the cell itself, LOCAL takes it at once"
-            }
-            ProblemCode::ControlLost => "Look at the robot, then take control again",
-            _ => "`cellctl` takes control for as long as a command needs it",
+        let hint = if refused.code == ProblemCode::ControlHeld {
+            "Wait until it is given back or ends; at the cell itself, LOCAL takes it at once"
+        } else if refused.code == ProblemCode::ControlLost {
+            "Look at the robot, then take control again"
+        } else {
+            "`cellctl` takes control for as long as a command needs it"
         };
         Self::not_sent(refused.code, refused.detail)
             .hint(hint)

@@ -43,11 +43,10 @@ impl LeaseClock {
     pub(crate) fn wall(&self, moment: Moment) -> Timestamp {
         let (here, now) = (self.now(), self.wall.now());
         let signed = |span: Duration| SignedDuration::try_from(span).unwrap_or_default();
-        let at = if moment >= here {
-            now.checked_add(signed(moment - here))
-        } else {
-            now.checked_sub(signed(here - moment))
-        };
+        let (ahead, ago) = (moment.saturating_sub(here), here.saturating_sub(moment));
+        let at = now
+            .checked_add(signed(ahead))
+            .and_then(|at| at.checked_sub(signed(ago)));
         at.unwrap_or(now)
     }
 }

@@ -4,10 +4,7 @@ use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 use std::time::Duration;
 
-use api::{
-    ControlEnd, ControlHolder, ControlLease, ControlToken, ControlView, EndedLease, LossBehavior,
-    ProblemCode,
-};
+use api::{ControlEnd, ControlLease, ControlToken, ControlView, LossBehavior, ProblemCode};
 use journal::{Audit, AuditResult};
 use tokio::sync::{Notify, watch};
 use tokio_util::sync::CancellationToken;
@@ -15,7 +12,8 @@ use uuid::Uuid;
 
 use super::clock::LeaseClock;
 use super::epochs::EpochStore;
-use super::machine::{Authority, Denied, Ended, Force, Granted, Lease, Terms};
+use super::machine::{Authority, Denied, Ended, Force, Granted, Terms};
+use super::said::{AcquireError, Refused};
 use crate::identity::{AuditSink, NotRecorded};
 
 /// How long the end of a lease may go unnoticed where nobody asks: a timer alone would sleep with the machine.
@@ -24,11 +22,11 @@ const WATCHFULNESS: Duration = Duration::from_millis(250);
 /// The control authority of one cell.
 #[derive(Debug)]
 pub(crate) struct CellControl {
-    cell: String,
+    pub(super) cell: String,
     machine: Mutex<Authority>,
     /// Held from asking for an epoch to granting with it, so that epochs are granted in their order.
     granting: tokio::sync::Mutex<()>,
-    clock: LeaseClock,
+    pub(super) clock: LeaseClock,
     epochs: Arc<dyn EpochStore>,
     audit: Arc<dyn AuditSink>,
     /// Ends nobody asked for, until they are recorded.
@@ -71,15 +69,6 @@ pub struct ControlLoss {
 pub trait ControlObserver: fmt::Debug + Send + Sync + 'static {
     /// Called once for each loss. It must not wait for anything.
     fn control_lost(&self, loss: &ControlLoss);
-}
-
-/// Why somebody may not act, for people and programs.
-#[derive(Clone, Debug, Eq, PartialEq, thiserror::Error)]
-#[error("{detail}")]
-pub(crate) struct Refused {
-    pub(crate) code: ProblemCode,
-    pub(crate) detail: String,
-    pub(crate) holder: Option<Box<ControlHolder>>,
 }
 
 impl CellControl {
@@ -366,116 +355,6 @@ impl CellControl {
             if let Err(error) = self.audit.record(entry).await {
                 tracing::error!(%error, "the end of a lease could not be recorded");
             }
-        }
-    }
-
-    fn refused(&self, denied: Denied) -> Refused {
-        match denied {
-            Denied::Held(lease) => {
-                let holder = self.holder_body(&lease);
-                Refused {
-                    code: ProblemCode::ControlHeld,
-                    detail: format!(
-                        "`{}` has control of cell `{}` since {:.0}, until {:.0} unless it goes on: {}",
-                        holder.holder, self.cell, holder.since, holder.expires, holder.reason
-                    ),
-                    holder: Some(Box::new(holder)),
-                }
-            }
-            Denied::Lost(ended) => Refused {
-                code: ProblemCode::ControlLost,
-                detail: match ended {
-                    Some(ended) => how(&self.ended_body(&ended)),
-                    None => "the Control-Token is of no lease that holds: it ended, or the server was started anew"
-                        .to_owned(),
-                },
-                holder: None,
-            },
-            Denied::StaleEpoch { given, latest } => {
-                tracing::error!(given, latest, "an epoch was given twice; control is not granted");
-                Refused {
-                    code: ProblemCode::NotRecorded,
-                    detail: format!("the epoch {given} is not after {latest}"),
-                    holder: None,
-                }
-            }
-        }
-    }
-
-    fn lease_body(&self, lease: &Lease) -> ControlLease {
-        ControlLease {
-            token: lease.token,
-            lease: lease.token.lease,
-            epoch: lease.token.epoch,
-            holder: lease.terms.holder.clone(),
-            station: lease.terms.station,
-            reason: lease.terms.reason.clone(),
-            since: self.clock.wall(lease.since),
-            expires: self.clock.wall(lease.expires),
-            ttl_s: u32::try_from(lease.terms.ttl.as_secs()).unwrap_or(u32::MAX),
-            loss_behavior: lease.terms.loss,
-        }
-    }
-
-    fn holder_body(&self, lease: &Lease) -> ControlHolder {
-        ControlHolder {
-            holder: lease.terms.holder.clone(),
-            station: lease.terms.station,
-            since: self.clock.wall(lease.since),
-            expires: self.clock.wall(lease.expires),
-            reason: lease.terms.reason.clone(),
-        }
-    }
-
-    fn ended_body(&self, ended: &Ended) -> EndedLease {
-        EndedLease {
-            epoch: ended.lease.token.epoch,
-            holder: ended.lease.terms.holder.clone(),
-            end: ended.end,
-            at: self.clock.wall(ended.at),
-            by: ended.by.clone(),
-            reason: ended.reason.clone(),
-        }
-    }
-}
-
-/// Why control was not granted.
-#[derive(Debug)]
-pub(crate) enum AcquireError {
-    Refused(Refused),
-    NotRecorded(NotRecorded),
-}
-
-impl From<Refused> for AcquireError {
-    fn from(refused: Refused) -> Self {
-        Self::Refused(refused)
-    }
-}
-
-impl From<NotRecorded> for AcquireError {
-    fn from(error: NotRecorded) -> Self {
-        Self::NotRecorded(error)
-    }
-}
-
-/// How a lease ended, in a sentence.
-fn how(ended: &EndedLease) -> String {
-    let EndedLease { epoch, at, .. } = ended;
-    let by = ended.by.as_deref().unwrap_or("somebody");
-    let why = ended.reason.as_deref().unwrap_or("no reason given");
-    match ended.end {
-        ControlEnd::Released => format!("control of epoch {epoch} was given back at {at:.0}"),
-        ControlEnd::Expired => {
-            format!("control of epoch {epoch} ended at {at:.0}: no heartbeat came in time")
-        }
-        ControlEnd::Preempted => {
-            format!("control of epoch {epoch} was taken by `{by}` at {at:.0}: {why}")
-        }
-        ControlEnd::Transferred => {
-            format!("control of epoch {epoch} was handed on by `{by}` at {at:.0}: {why}")
-        }
-        ControlEnd::Revoked => {
-            format!("control of epoch {epoch} ended at {at:.0}: its holder's token was revoked")
         }
     }
 }

@@ -7,7 +7,8 @@ use api::{ControlEnd, ControlLease, LossBehavior, ProblemCode, Station};
 use jiff::Timestamp;
 use tokio_util::sync::CancellationToken;
 
-use super::control::{AcquireError, CellControl, ControlLoss, ControlObserver};
+use super::control::{CellControl, ControlLoss, ControlObserver};
+use super::said::AcquireError;
 use super::{Claim, EpochStore, Force, LeaseClock, MemoryEpochs, NextEpoch, Terms};
 use crate::clock::WallClock;
 use crate::identity::{AuditSink, NotRecorded, Recorded};
@@ -139,7 +140,7 @@ async fn o4_without_a_heartbeat_control_is_lost_and_whoever_must_stop_is_told() 
 async fn t3_a_machine_that_was_suspended_is_not_in_control_when_it_wakes() {
     let bench = bench();
     let lease = bench.acquire(10, LossBehavior::Stop1).await;
-    *bench.clock.slept.lock().unwrap() = Duration::from_secs(60);
+    *bench.clock.slept.lock().unwrap() = Duration::from_mins(1);
     // Before anything else: no timer has fired yet.
     let refused = bench.control.check(lease.token, "anna").unwrap_err();
     assert_eq!(refused.code, ProblemCode::ControlLost);

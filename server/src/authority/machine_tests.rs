@@ -259,8 +259,7 @@ proptest! {
                 (token(number), reference.filter(|held| held.epoch == number))
             };
             match step {
-                Step::Wait(_) => {}
-                Step::Expire => {}
+                Step::Wait(_) | Step::Expire => {}
                 Step::Acquire { who, local, admin, ttl_s } => {
                     let station = if local { Station::Local } else { Station::Remote };
                     let force = if admin { Force::Admin } else { Force::ByStation };

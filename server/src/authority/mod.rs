@@ -19,10 +19,12 @@ mod epochs;
 mod machine;
 #[cfg(test)]
 mod machine_tests;
+mod said;
 
 pub(crate) use claim::{Claim, token};
 pub(crate) use clock::LeaseClock;
-pub(crate) use control::{AcquireError, CellControl, Refused};
+pub(crate) use control::CellControl;
 pub use control::{ControlLoss, ControlNews, ControlObserver};
 pub use epochs::{EpochStore, MemoryEpochs, NextEpoch};
 pub(crate) use machine::{Force, Terms};
+pub(crate) use said::{AcquireError, Refused};

@@ -28,15 +28,15 @@ pub(crate) enum Access {
 impl Access {
     /// Whether a role is enough. Whose mobile robot it is, and which cell, is the scope's matter.
     pub(crate) fn allows(self, role: Role) -> bool {
-        match (self, role) {
-            (Self::Open | Self::Anyone, _) => true,
-            (_, Role::MobileRobot) => self == Self::MobileRobot,
-            (Self::Viewer, _) => true,
-            (Self::Operator | Self::MobileRobot, Role::Operator | Role::Integrator) => true,
-            (Self::Operator | Self::MobileRobot, Role::Viewer | Role::Admin) => false,
-            (Self::Integrator, role) => role == Role::Integrator,
-            (Self::Admin, role) => role == Role::Admin,
-            (Self::Control, role) => role != Role::Viewer,
+        let moves = matches!(role, Role::Operator | Role::Integrator);
+        match self {
+            Self::Open | Self::Anyone => true,
+            Self::Viewer => role != Role::MobileRobot,
+            Self::Operator => moves,
+            Self::Integrator => role == Role::Integrator,
+            Self::Admin => role == Role::Admin,
+            Self::Control => moves || role == Role::Admin,
+            Self::MobileRobot => moves || role == Role::MobileRobot,
         }
     }
 

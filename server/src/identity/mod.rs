@@ -12,6 +12,7 @@
 mod access;
 mod audit;
 mod principal;
+mod rules;
 mod store;
 mod table;
 mod throttle;

@@ -148,7 +148,7 @@ pub(crate) fn load(path: &Path) -> Result<Option<Vec<Kept>>, StoreError> {
         if earlier.into_iter().any(|other| other.id == token.id) {
             return Err(wrong(format!("it has token {} twice", token.id)));
         }
-        super::tokens::check_name(&token.name)
+        super::rules::check_name(&token.name)
             .map_err(|problem| wrong(format!("token {}: its name {problem}", token.id)))?;
     }
     Ok(Some(contents.tokens))
@@ -214,7 +214,8 @@ fn private(_: &mut OpenOptions) {}
 fn check_private(path: &Path, metadata: &fs::Metadata) -> Result<(), StoreError> {
     use std::os::unix::fs::PermissionsExt as _;
     let mode = metadata.permissions().mode() & 0o777;
-    if mode & 0o077 == 0 {
+    // Nothing for the group, nothing for others.
+    if mode.trailing_zeros() >= 6 {
         return Ok(());
     }
     Err(StoreError::NotPrivate {

@@ -15,9 +15,9 @@ const FREE: u32 = 5;
 /// The first wait after them; each further failure doubles it.
 const FIRST_WAIT: Duration = Duration::from_secs(1);
 /// The longest wait.
-const LONGEST_WAIT: Duration = Duration::from_secs(60);
+const LONGEST_WAIT: Duration = Duration::from_mins(1);
 /// An address without a failure for this long starts anew.
-const FORGOTTEN_AFTER: Duration = Duration::from_secs(300);
+const FORGOTTEN_AFTER: Duration = Duration::from_mins(5);
 /// The most addresses remembered.
 const MAX_ADDRESSES: usize = 1024;
 

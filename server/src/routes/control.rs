@@ -72,9 +72,10 @@ pub(super) async fn acquire_control(
     } else {
         Force::ByStation
     };
-    let action = match body.preempt {
-        true => "control.preempt",
-        false => "control.acquire",
+    let action = if body.preempt {
+        "control.preempt"
+    } else {
+        "control.acquire"
     };
     let act = control.acquire(terms, force);
     let lease = recorded(

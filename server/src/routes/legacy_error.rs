@@ -55,12 +55,10 @@ impl LegacyError {
                 Self::Refused(format!("ERROR: NO ACCEPTED TARGET: {}", no_base(base)))
             }
             // A legacy caller has no token to lose: somebody took control while the command waited.
-            CommandFailure::Problem(problem) => match problem.code() {
-                ProblemCode::ControlHeld => {
-                    Self::Refused(format!("ERROR: NO CONTROL: {}", problem.detail()))
-                }
-                _ => Self::Problem(problem),
-            },
+            CommandFailure::Problem(problem) if problem.code() == ProblemCode::ControlHeld => {
+                Self::Refused(format!("ERROR: NO CONTROL: {}", problem.detail()))
+            }
+            CommandFailure::Problem(problem) => Self::Problem(problem),
         }
     }
 

@@ -66,11 +66,8 @@ async fn x1_x2_every_route_admits_exactly_whom_the_matrix_says() {
     let reply = cell.send("DELETE", &path, &cell.admin, &Value::Null).await;
     assert_eq!(reply.status, 200);
     let mobile = json!({"mobile_robot": "mr-other"});
-    let forged = format!("{}0", &cell.admin[..cell.admin.len() - 1]);
-    let forged = match forged == cell.admin {
-        true => format!("{}1", &cell.admin[..cell.admin.len() - 1]),
-        false => forged,
-    };
+    let last = if cell.admin.ends_with('0') { '1' } else { '0' };
+    let forged = format!("{}{last}", &cell.admin[..cell.admin.len() - 1]);
     let caller = |what, token, letter| Caller {
         what,
         token,

@@ -66,7 +66,7 @@ pub(crate) struct Global {
         value_name = "URL"
     )]
     pub(crate) emulator: String,
-    /// A file with the token to use, yours alone to read. Else ROBOCELL_TOKEN, else what `cellctl login` kept.
+    /// A file with the token to use, yours alone to read. Else the environment variable `ROBOCELL_TOKEN`, else what `cellctl login` kept.
     #[arg(long, global = true, env = "ROBOCELL_TOKEN_FILE", value_name = "FILE")]
     pub(crate) token_file: Option<PathBuf>,
     /// Give up on an answer after this many milliseconds. A command given up on may have been carried out.

@@ -89,21 +89,21 @@ impl Context {
         token: Option<ControlToken>,
         reason: &str,
     ) -> Result<(Robot, Option<HeldControl>), Failure> {
-        let (token, held) = match token {
-            Some(token) => (token, None),
-            None => {
-                let body = AcquireBody {
-                    station: Station::Remote,
-                    ttl_s: None,
-                    loss_behavior: None,
-                    reason: reason.to_owned(),
-                    preempt: false,
-                };
-                let held = self.client.control(robot.cell()).hold(&body).await?;
-                (held.token(), Some(held))
-            }
+        let held = if token.is_none() {
+            let body = AcquireBody {
+                station: Station::Remote,
+                ttl_s: None,
+                loss_behavior: None,
+                reason: reason.to_owned(),
+                preempt: false,
+            };
+            Some(self.client.control(robot.cell()).hold(&body).await?)
+        } else {
+            None
         };
-        let client = self.client.with_control(token);
+        let token = token.or(held.as_ref().map(HeldControl::token));
+        let client = token.map(|token| self.client.with_control(token));
+        let client = client.as_ref().unwrap_or(&self.client);
         Ok((client.robot(robot.cell(), robot.id()), held))
     }
 

@@ -154,7 +154,7 @@ fn check_private(metadata: &fs::Metadata) -> io::Result<()> {
     use std::os::unix::fs::PermissionsExt as _;
     let mode = metadata.permissions().mode() & 0o777;
     // What is no file, as a pipe of the shell, is nobody else's to read.
-    if !metadata.is_file() || mode & 0o077 == 0 {
+    if !metadata.is_file() || mode.trailing_zeros() >= 6 {
         return Ok(());
     }
     Err(io::Error::other(format!(
