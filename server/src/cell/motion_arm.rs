@@ -26,7 +26,8 @@ use crate::problem::Problem;
 use crate::request_id::RequestId;
 use crate::setup::path::joint_path;
 use crate::setup::resolve::Resolved;
-use crate::setup::{Kept, SetupBook};
+use crate::setup::SetupBook;
+use crate::setup::book::Kept;
 use crate::state::Robot;
 
 /// Joint motions through free space, and near loads and in a zone: percent of the joints' own speeds.
