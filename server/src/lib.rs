@@ -7,7 +7,7 @@
 //! ```text
 //! connection ── edge ── route ── target ──────────── link ─────────────── controller
 //!  serve.rs     id,     JSON     rounding,           queue, deadline,     one connection
-//!  stall.rs     time,   to       inverse             one owner task,      a command
+//!  connections/ time,   to       inverse             one owner task,      a command
 //!               problem units    kinematics, limits  at most one send
 //! ```
 //!
@@ -43,6 +43,7 @@
 mod clock;
 mod commands;
 pub mod config;
+mod connections;
 mod edge;
 mod extract;
 mod guard;
@@ -55,13 +56,13 @@ mod request_id;
 mod router;
 mod routes;
 mod serve;
-mod stall;
 mod state;
 mod target;
 mod wire_bodies;
 
 pub use clock::{SystemClock, WallClock};
 pub use config::{ConfigError, Plan};
+pub use connections::Listener;
 pub use link::{AddressError, Connector, ControllerAddress, TcpConnection, TcpConnector};
 pub use openapi::{OpenApiError, openapi, openapi_yaml};
 pub use serve::{ServeError, run, start};

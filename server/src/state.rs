@@ -1,6 +1,7 @@
 use std::sync::Arc;
 
 use metrics_exporter_prometheus::BuildError;
+use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
@@ -19,6 +20,8 @@ pub(crate) struct App {
     pub(crate) legacy: Arc<Robot>,
     pub(crate) metrics: Metrics,
     pub(crate) clock: Arc<dyn WallClock>,
+    /// Places for streams of events.
+    pub(crate) streams: Arc<Semaphore>,
 }
 
 #[derive(Debug)]
@@ -89,6 +92,7 @@ impl App {
             unreachable!("a plan's legacy robot is one of its robots");
         };
         Ok(Self {
+            streams: Arc::new(Semaphore::new(plan.server.max_event_streams)),
             server: plan.server,
             cells,
             legacy,

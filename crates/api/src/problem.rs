@@ -174,6 +174,8 @@ problem_codes! {
     CrossSiteRequest, "cross-site-request", 403, "The request comes from another site";
     /// The Host header names a host the server does not answer for.
     HostNotAllowed, "host-not-allowed", 421, "The host is not one of this server's";
+    /// The server has as many event streams open as it may.
+    ServerBusy, "server-busy", 503, "The server has no place for the request";
 }
 
 // By hand: the derived schema does not see a name that a macro gives, and would list the variants.

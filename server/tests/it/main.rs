@@ -8,6 +8,7 @@
 
 mod bad_bodies;
 mod config;
+mod connections;
 mod deltas;
 mod document;
 mod health;
