@@ -19,6 +19,13 @@ pub(crate) fn print(http: SocketAddr, file: &File, controllers: &[Running]) -> R
         out,
         "  HTTP API             http://{http}      documentation: http://{http}/docs"
     )?;
+    match &file.journal.path {
+        Some(path) => writeln!(out, "  journal              {}", path.display())?,
+        None => writeln!(
+            out,
+            "  journal              in memory: NOTHING SURVIVES A RESTART ([journal] path = \"..\" keeps it)"
+        )?,
+    }
     for part in controllers {
         write!(
             out,
@@ -47,7 +54,7 @@ pub(crate) fn print(http: SocketAddr, file: &File, controllers: &[Running]) -> R
     writeln!(
         out,
         "\n  curl -s -X POST http://{http}/api/v1/cells/{cell}/robots/{robot}/motions -H 'Content-Type: application/json' \\\n       \
-         -d '{{\"type\":\"HOME\",\"speed_mm_s\":500}}'"
+         -H \"Idempotency-Key: $(date +%s)\" -d '{{\"type\":\"HOME\",\"speed_mm_s\":500}}'"
     )?;
     if let Some(panel) = controllers
         .iter()

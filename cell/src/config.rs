@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 use serde::Deserialize;
-use server::config::{CellSection, ServerSection};
+use server::config::{CellSection, JournalSection, ServerSection};
 
 /// What runs when no file is named.
 const DEMO: &str = include_str!("../demo.toml");
@@ -17,6 +17,9 @@ pub(crate) struct File {
     /// `[server]`.
     #[serde(default)]
     pub(crate) server: ServerSection,
+    /// `[journal]`.
+    #[serde(default)]
+    pub(crate) journal: JournalSection,
     /// `[[cells]]`.
     #[serde(default)]
     pub(crate) cells: Vec<CellSection>,

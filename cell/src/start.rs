@@ -51,7 +51,11 @@ fn check(loaded: &Loaded) -> Result<Vec<Prepared>> {
 }
 
 async fn run(loaded: Loaded, prepared: Vec<Prepared>) -> Result<()> {
-    let Loaded { mut file, name, .. } = loaded;
+    let Loaded {
+        mut file,
+        name,
+        folder,
+    } = loaded;
     let stop = stop_on_signals()?;
     let labels = PeerLabels::new();
     let controllers = virtual_controllers::start_all(prepared, &labels).await?;
@@ -65,6 +69,9 @@ async fn run(loaded: Loaded, prepared: Vec<Prepared>) -> Result<()> {
     let listener = TcpListener::bind(listen)
         .await
         .with_context(|| format!("serving HTTP on {listen}; is another robocell running?"))?;
+    // Last, so that a port in use does not begin an epoch.
+    let clock = SystemClock;
+    let journal = server::open_journal(&file.journal, &folder, &clock).await?;
     banner::print(listener.local_addr()?, &file, &controllers)?;
     let connector = TcpConnector::with_label(move |peer, request_id| labels.set(peer, request_id));
     server::run(
@@ -72,7 +79,8 @@ async fn run(loaded: Loaded, prepared: Vec<Prepared>) -> Result<()> {
         plan,
         Seams {
             connector,
-            clock: Arc::new(SystemClock),
+            clock: Arc::new(clock),
+            journal,
         },
         stop,
     )

@@ -110,6 +110,10 @@ impl Http {
         self.exchange(Method::POST, path, effect)
     }
 
+    pub(crate) fn put(&self, path: &[&str], effect: Effect) -> Exchange {
+        self.exchange(Method::PUT, path, effect)
+    }
+
     fn exchange(&self, method: Method, path: &[&str], effect: Effect) -> Exchange {
         let mut url = self.base.clone();
         // Only URLs that cannot be a base (`mailto:`) have no segments, and `new` admits none of those.
@@ -150,6 +154,11 @@ pub(crate) struct Exchange {
 impl Exchange {
     pub(crate) fn query<T: Serialize + ?Sized>(mut self, query: &T) -> Self {
         self.request = self.request.query(query);
+        self
+    }
+
+    pub(crate) fn header(mut self, name: &'static str, value: &str) -> Self {
+        self.request = self.request.header(name, value);
         self
     }
 

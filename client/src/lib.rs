@@ -22,11 +22,9 @@
 //! let pose = PoseBody { x_mm: 600.0, y_mm: 200.0, z_mm: 600.0, w_deg: -180.0, p_deg: 30.0, r_deg: 0.0 };
 //! let motion = robot
 //!     .create_motion(&MotionBody {
-//!         motion_type: MotionType::Joint,
 //!         target: Some(TargetBody::Pose(pose)),
-//!         speed_mm_s: 200.0,
-//!         deadline_ms: None,
-//!         reason: None,
+//!         speed_mm_s: Some(200.0),
+//!         ..MotionBody::new(MotionType::Joint)
 //!     })
 //!     .await?;
 //! assert_eq!(motion.state, api::MotionState::Accepted);
@@ -50,5 +48,5 @@ pub use http::Timeouts;
 pub use panel::{
     Alarm, EmulatorJoints, EmulatorState, JointLimit, LedgerEntry, LedgerEvent, Log, Tag, Task,
 };
-pub use robot::{Page, Robot};
+pub use robot::{Ask, Page, Robot};
 pub use server::Client;

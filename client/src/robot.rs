@@ -12,6 +12,8 @@ use crate::http::{Effect, Exchange, Http};
 
 /// What the server's own work may add to a motion's deadline before its answer is here.
 const DEADLINE_MARGIN: Duration = Duration::from_secs(5);
+/// The header with the caller's own word for a request.
+pub(crate) const KEY: &str = "idempotency-key";
 
 /// One robot of one cell. Cheap to clone.
 #[derive(Clone, Debug)]
@@ -19,6 +21,23 @@ pub struct Robot {
     http: Http,
     cell: String,
     id: String,
+}
+
+/// How a motion is asked for.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ask {
+    /// The caller's own word for the motion; a new one where `None`.
+    pub key: Option<String>,
+    /// How long to wait for the motion's end, in whole seconds; the server's own measure where `None`.
+    pub wait: Option<Duration>,
+}
+
+impl Ask {
+    pub(crate) fn key(&self) -> String {
+        self.key
+            .clone()
+            .unwrap_or_else(|| Uuid::now_v7().to_string())
+    }
 }
 
 /// Which part of a list is wanted.
@@ -100,14 +119,36 @@ impl Robot {
     /// A problem if the server or the controller says no. After [`ClientError::Timeout`] and
     /// [`ClientError::Interrupted`], and wherever [`ClientError::outcome`] is `Unknown`, the robot may have moved.
     pub async fn create_motion(&self, body: &MotionBody) -> Result<Motion, ClientError> {
-        let timeout = match body.deadline_ms {
-            Some(deadline) => Duration::from_millis(deadline).saturating_add(DEADLINE_MARGIN),
-            None => self.http.timeouts.command,
+        self.ask_for_motion(body, &Ask::default()).await
+    }
+
+    /// As [`Robot::create_motion`], with a key of the caller's and a time to wait for the motion's end.
+    ///
+    /// The same body with the same key is answered with what became of that motion; nothing is sent again.
+    ///
+    /// # Errors
+    /// As [`Robot::create_motion`].
+    pub async fn ask_for_motion(
+        &self,
+        body: &MotionBody,
+        ask: &Ask,
+    ) -> Result<Motion, ClientError> {
+        let patience = match (ask.wait, body.deadline_ms) {
+            (Some(wait), _) => Some(wait),
+            (None, Some(deadline)) => Some(Duration::from_millis(deadline)),
+            (None, None) => None,
         };
-        self.post(&["motions"], Effect::Command(timeout))
-            .body(body)
-            .json()
-            .await
+        let timeout = patience.map_or(self.http.timeouts.command, |patience| {
+            patience.saturating_add(DEADLINE_MARGIN)
+        });
+        let exchange = self
+            .post(&["motions"], Effect::Command(timeout))
+            .header(KEY, &ask.key());
+        let exchange = match ask.wait {
+            Some(wait) => exchange.header("prefer", &format!("wait={}", wait.as_secs())),
+            None => exchange,
+        };
+        exchange.body(body).json().await
     }
 
     /// One motion and what became of it.

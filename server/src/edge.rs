@@ -182,13 +182,13 @@ mod tests {
 
     use super::*;
     use crate::config::{CellSection, Plan, RobotSection, ServerSection};
-    use crate::{Seams, SystemClock, TcpConnector};
+    use crate::{Seams, SharedJournal, SystemClock, TcpConnector};
 
-    fn app() -> Arc<App> {
-        app_with(&ServerSection::default())
+    async fn app() -> Arc<App> {
+        app_with(&ServerSection::default()).await
     }
 
-    fn app_with(server: &ServerSection) -> Arc<App> {
+    async fn app_with(server: &ServerSection) -> Arc<App> {
         let cell = CellSection {
             id: "c1".to_owned(),
             name: None,
@@ -198,14 +198,19 @@ mod tests {
         let seams = Seams {
             connector: TcpConnector::default(),
             clock: Arc::new(SystemClock),
+            journal: SharedJournal::volatile(),
         };
         let (tracker, stop) = (TaskTracker::new(), CancellationToken::new());
         let routes = std::iter::empty();
-        Arc::new(App::start(plan, seams, routes, &tracker, &stop).unwrap())
+        Arc::new(
+            App::start(plan, seams, routes, &tracker, &stop)
+                .await
+                .unwrap(),
+        )
     }
 
     async fn problem_of(router: Router<Arc<App>>) -> (StatusCode, api::Problem) {
-        let app = app();
+        let app = app().await;
         let router = router
             .layer(middleware::from_fn_with_state(Arc::clone(&app), edge))
             .with_state(app);
@@ -240,7 +245,8 @@ mod tests {
         let app = app_with(&ServerSection {
             max_event_streams: 1,
             ..ServerSection::default()
-        });
+        })
+        .await;
         let events = async || ([(header::CONTENT_TYPE, "text/event-stream")], "");
         let router = Router::new()
             .route("/", get(events))

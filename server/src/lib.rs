@@ -18,7 +18,7 @@
 //! use std::sync::Arc;
 //!
 //! use server::config::{CellSection, RobotSection, ServerSection};
-//! use server::{Plan, Seams, SystemClock, TcpConnector};
+//! use server::{Plan, Seams, SharedJournal, SystemClock, TcpConnector};
 //! use tokio::net::TcpListener;
 //! use tokio_util::sync::CancellationToken;
 //!
@@ -30,7 +30,11 @@
 //!     robots: vec![RobotSection::new("arm", "fanuc-m20ia", "127.0.0.1:59002")],
 //! };
 //! let plan = Plan::try_new(&ServerSection::default(), &[cell])?;
-//! let seams = Seams { connector: TcpConnector::default(), clock: Arc::new(SystemClock) };
+//! let seams = Seams {
+//!     connector: TcpConnector::default(),
+//!     clock: Arc::new(SystemClock),
+//!     journal: SharedJournal::volatile(),
+//! };
 //! let listener = TcpListener::bind("127.0.0.1:0").await?;
 //! let stop = CancellationToken::new();
 //! let serving = tokio::spawn(server::run(listener, plan, seams, stop.clone()));
@@ -41,15 +45,15 @@
 //! ```
 
 mod clock;
-mod commands;
 pub mod config;
 mod connections;
 mod edge;
 mod extract;
 mod guard;
+mod journal;
 mod link;
 mod metrics;
-mod motion_store;
+mod motions;
 mod openapi;
 mod problem;
 mod request_id;
@@ -60,6 +64,7 @@ mod state;
 mod target;
 mod wire_bodies;
 
+pub use self::journal::{JournalError, SharedJournal, open as open_journal};
 pub use clock::{SystemClock, WallClock};
 pub use config::{ConfigError, Plan};
 pub use connections::Listener;

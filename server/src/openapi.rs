@@ -14,8 +14,9 @@ at most once.
 
 This is not a safety function: emergency stop and guards are hard-wired in the controller.";
 
-const TAGS: [(&str, &str); 7] = [
+const TAGS: [(&str, &str); 8] = [
     ("motions", "Moving a robot, and what became of it."),
+    ("interventions", "What only a person can decide."),
     ("robots", "What a robot is, and what is known of it now."),
     (
         "kinematics",

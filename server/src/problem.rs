@@ -4,10 +4,12 @@
 //! the body. So a problem is the same wherever in a request it arises, and no body is written twice.
 
 use api::{Outcome, ProblemCode, Violation};
-use axum::http::{HeaderValue, Method, StatusCode, header};
+use axum::http::{HeaderName, HeaderValue, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use uuid::Uuid;
 
+/// Says that an answer was given before.
+pub(crate) const REPLAYED: HeaderName = HeaderName::from_static("idempotency-replayed");
 pub(crate) const MEDIA_TYPE: HeaderValue = HeaderValue::from_static("application/problem+json");
 
 /// What goes wrong with a request, on its way to the edge.
@@ -18,6 +20,8 @@ pub(crate) struct Problem(Box<Inner>);
 struct Inner {
     body: api::Problem,
     retry_after: Option<HeaderValue>,
+    /// Whether it was answered before, to the same request.
+    replayed: bool,
 }
 
 impl Problem {
@@ -41,12 +45,17 @@ impl Problem {
                 hint: None,
             },
             retry_after: None,
+            replayed: false,
         }))
     }
 
     /// A problem with a command that was certainly not sent.
     pub(crate) fn not_sent(code: ProblemCode, detail: impl Into<String>) -> Self {
         Self::new(code, detail).outcome(Outcome::NotSent)
+    }
+
+    pub(crate) fn detail(&self) -> &str {
+        &self.0.body.detail
     }
 
     #[cfg(test)]
@@ -101,11 +110,18 @@ impl Problem {
         this
     }
 
+    /// It was answered before, to the same request.
+    pub(crate) fn replayed(mut self) -> Self {
+        self.0.replayed = true;
+        self
+    }
+
     /// The answer, complete.
     pub(crate) fn into_answer(self, path: &str, request_id: &str) -> Response {
         let Inner {
             mut body,
             retry_after,
+            replayed,
         } = *self.0;
         body.instance = Some(path.to_owned());
         body.request_id = Some(request_id.to_owned());
@@ -117,6 +133,9 @@ impl Problem {
         let _octets = headers.insert(header::CONTENT_TYPE, MEDIA_TYPE);
         if let Some(seconds) = retry_after {
             let _none = headers.insert(header::RETRY_AFTER, seconds);
+        }
+        if replayed {
+            let _none = headers.insert(REPLAYED, HeaderValue::from_static("true"));
         }
         response
     }

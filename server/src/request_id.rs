@@ -28,6 +28,11 @@ impl RequestId {
         }
     }
 
+    /// An id that was kept.
+    pub(crate) fn recorded(text: &str) -> Self {
+        Self(text.into())
+    }
+
     fn new(now: Timestamp) -> Self {
         let seconds = u64::try_from(now.as_second()).unwrap_or(0);
         let nanos = u32::try_from(now.subsec_nanosecond()).unwrap_or(0);

@@ -17,7 +17,7 @@ use crate::connections::{AcceptFailures, Listener, Table, Watched, answer};
 use crate::link::Connector;
 use crate::openapi;
 use crate::router;
-use crate::state::{App, Seams};
+use crate::state::{App, Seams, StartError};
 
 /// The most headers of one request.
 const MAX_HEADERS: usize = 64;
@@ -32,6 +32,9 @@ pub enum ServeError {
     /// The recorder of the metrics could not be made.
     #[error("starting the metrics")]
     Metrics(#[source] metrics_exporter_prometheus::BuildError),
+    /// What the journal knows of earlier motions could not be read.
+    #[error("reading the journal")]
+    Journal(#[source] ::journal::ReadError),
 }
 
 /// Serves until `stop` is cancelled, then ends: no new connections, each link stops between two commands, requests
@@ -49,7 +52,7 @@ pub async fn run<L: Listener, C: Connector>(
     let robots = plan.cells.iter().map(|cell| cell.robots.len()).sum();
     let table = Arc::new(Table::new(&limits, robots));
     let tracker = TaskTracker::new();
-    let router = start(plan, seams, &tracker, &stop)?;
+    let router = start(plan, seams, &tracker, &stop).await?;
     serve(listener, router, table, &limits, &stop).await;
     let _closed = tracker.close();
     tracker.wait().await;
@@ -62,8 +65,8 @@ pub async fn run<L: Listener, C: Connector>(
 /// The links run on `tracker` and end once `stop` is cancelled.
 ///
 /// # Errors
-/// The metrics could not be started.
-pub fn start<C: Connector>(
+/// The metrics could not be started, or the journal could not be read.
+pub async fn start<C: Connector>(
     plan: Plan,
     seams: Seams<C>,
     tracker: &TaskTracker,
@@ -71,7 +74,12 @@ pub fn start<C: Connector>(
 ) -> Result<Router, ServeError> {
     let (routes, document) = router::documented();
     let paths = document.paths.paths.keys().cloned();
-    let app = App::start(plan, seams, paths, tracker, stop).map_err(ServeError::Metrics)?;
+    let app = App::start(plan, seams, paths, tracker, stop)
+        .await
+        .map_err(|error| match error {
+            StartError::Metrics(source) => ServeError::Metrics(source),
+            StartError::Journal(source) => ServeError::Journal(source),
+        })?;
     let app = Arc::new(app);
     drop(tracker.spawn(keep_up(Arc::clone(&app), stop.clone())));
     Ok(router::finish(routes, openapi::complete(document), app))

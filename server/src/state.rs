@@ -1,15 +1,18 @@
 use std::sync::Arc;
 
+use ::journal::ReadError;
 use metrics_exporter_prometheus::BuildError;
+use thiserror::Error;
 use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
 use crate::clock::WallClock;
 use crate::config::{Plan, RobotPlan, ServerPlan};
+use crate::journal::SharedJournal;
 use crate::link::{self, Connector, Link, Owner};
 use crate::metrics::{LinkMetrics, Metrics};
-use crate::motion_store::MotionStore;
+use crate::motions::{self, InFlight, Motions};
 use crate::problem::Problem;
 
 /// What the handlers work on.
@@ -22,6 +25,8 @@ pub(crate) struct App {
     pub(crate) clock: Arc<dyn WallClock>,
     /// Places for streams of events.
     pub(crate) streams: Arc<Semaphore>,
+    pub(crate) journal: SharedJournal,
+    pub(crate) keys: InFlight,
 }
 
 #[derive(Debug)]
@@ -35,7 +40,7 @@ pub(crate) struct Cell {
 pub(crate) struct Robot {
     pub(crate) plan: Arc<RobotPlan>,
     pub(crate) link: Link,
-    pub(crate) motions: Arc<MotionStore>,
+    pub(crate) motions: Arc<Motions>,
     pub(crate) metrics: LinkMetrics,
 }
 
@@ -46,23 +51,40 @@ pub struct Seams<C> {
     pub connector: C,
     /// What time it is, for the records people read.
     pub clock: Arc<dyn WallClock>,
+    /// Where intents and outcomes are kept.
+    pub journal: SharedJournal,
+}
+
+/// Why the parts of a server did not start.
+#[derive(Debug, Error)]
+pub(crate) enum StartError {
+    #[error(transparent)]
+    Metrics(BuildError),
+    #[error(transparent)]
+    Journal(ReadError),
 }
 
 impl App {
-    /// Starts the links. They end once `stop` is cancelled; `tracker` waits for them.
-    pub(crate) fn start<C: Connector>(
+    /// Takes up what the journal knows, and starts the links. They end once `stop` is cancelled; `tracker` waits for them.
+    pub(crate) async fn start<C: Connector>(
         plan: Plan,
         seams: Seams<C>,
         routes: impl Iterator<Item = String>,
         tracker: &TaskTracker,
         stop: &CancellationToken,
-    ) -> Result<Self, BuildError> {
-        let metrics = Metrics::new(routes)?;
+    ) -> Result<Self, StartError> {
+        let metrics = Metrics::new(routes).map_err(StartError::Metrics)?;
         let connector = Arc::new(seams.connector);
         let clock = seams.clock;
+        let journal = seams.journal;
         let start_robot = |plan: RobotPlan| {
             let plan = Arc::new(plan);
-            let motions = Arc::new(MotionStore::new(Arc::clone(&clock)));
+            let motions = Arc::new(Motions::new(
+                Arc::clone(&plan),
+                Arc::clone(&clock),
+                journal.clone(),
+                tracker.clone(),
+            ));
             let metrics = metrics.link(&plan);
             let owner = Owner {
                 plan: Arc::clone(&plan),
@@ -86,6 +108,14 @@ impl App {
                 robots: cell.robots.into_iter().map(start_robot).collect(),
             })
             .collect();
+        let all: Vec<_> = cells
+            .iter()
+            .flat_map(|cell: &Cell| &cell.robots)
+            .map(|robot: &Arc<Robot>| Arc::clone(&robot.motions))
+            .collect();
+        motions::recover(&journal, &all)
+            .await
+            .map_err(StartError::Journal)?;
         let (cell, robot) = plan.legacy;
         let legacy = cells.get(cell).and_then(|cell| cell.robots.get(robot));
         let Some(legacy) = legacy.map(Arc::clone) else {
@@ -98,6 +128,8 @@ impl App {
             legacy,
             metrics,
             clock,
+            journal,
+            keys: InFlight::default(),
         })
     }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use anyhow::Context;
 use client::{Client, Robot};
 use server::config::{CellSection, RobotSection, ServerSection};
-use server::{Connector, Plan, Seams, ServeError, SystemClock, TcpConnector};
+use server::{Connector, Plan, Seams, ServeError, SharedJournal, SystemClock, TcpConnector};
 use tokio::net::TcpListener;
 use tokio::task::JoinHandle;
 use tokio_util::sync::{CancellationToken, DropGuard};
@@ -61,6 +61,7 @@ impl TestServer {
         let seams = Seams {
             connector,
             clock: Arc::new(SystemClock),
+            journal: SharedJournal::volatile(),
         };
         Ok(Self {
             address,

@@ -18,11 +18,11 @@ const POSE: PoseBody = PoseBody {
 
 fn to(target: TargetBody) -> MotionBody {
     MotionBody {
-        motion_type: MotionType::Joint,
         target: Some(target),
-        speed_mm_s: 200.0,
+        speed_mm_s: Some(200.0),
         deadline_ms: Some(20_000),
         reason: Some("a test".to_owned()),
+        ..MotionBody::new(MotionType::Joint)
     }
 }
 
@@ -176,7 +176,7 @@ async fn pages_join_into_the_whole_list() -> anyhow::Result<()> {
 async fn a_body_that_does_not_fit_is_refused_by_name_value_and_limit() -> anyhow::Result<()> {
     let (_server, controller, robot) = start([]).await?;
     let mut body = to(TargetBody::Pose(POSE));
-    body.speed_mm_s = 2_000.0;
+    body.speed_mm_s = Some(2_000.0);
     let problem = problem(&robot, &body).await;
     assert_eq!(problem.code, ProblemCode::Validation);
     assert_eq!(problem.outcome, Outcome::NotSent);

@@ -77,6 +77,7 @@ async fn the_readmes_lines_work_when_they_are_pasted() -> anyhow::Result<()> {
             Some(body) => http
                 .post(&url)
                 .header("content-type", "application/json")
+                .header("idempotency-key", "a-second-of-the-clock")
                 .body(body.clone()),
             None => http.get(&url),
         };
@@ -112,6 +113,7 @@ async fn the_examples_of_the_openapi_document_work_when_they_are_tried() -> anyh
                 ensure!(example.is_object(), "{reference} has no example");
                 request = request
                     .header("content-type", "application/json")
+                    .header("idempotency-key", format!("example-{bodies}"))
                     .body(example.to_string());
                 bodies += 1;
             }

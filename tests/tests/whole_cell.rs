@@ -34,11 +34,10 @@ const FAR_AWAY: PoseBody = PoseBody {
 
 fn to(pose: PoseBody) -> MotionBody {
     MotionBody {
-        motion_type: MotionType::Joint,
         target: Some(TargetBody::Pose(pose)),
-        speed_mm_s: 500.0,
-        deadline_ms: None,
+        speed_mm_s: Some(500.0),
         reason: Some("end to end".to_owned()),
+        ..MotionBody::new(MotionType::Joint)
     }
 }
 

@@ -191,7 +191,7 @@ async fn what_the_server_knows_is_told_in_sentences() {
         ),
         (
             &["motions", "list", "--limit", "1"],
-            "2026-01-02T03:04:05Z  JOINT  in_doubt   200",
+            "2026-01-02T03:04:05Z  JOINT  in_doubt  200 mm/s",
         ),
         (
             &["motions", "show", samples::MOTION_ID],

@@ -11,13 +11,12 @@ use tokio::net::TcpListener;
 use crate::fake::{Answer, Fake};
 use crate::samples;
 
-const HOME: MotionBody = MotionBody {
-    motion_type: MotionType::Home,
-    target: None,
-    speed_mm_s: 100.0,
-    deadline_ms: None,
-    reason: None,
-};
+fn home() -> MotionBody {
+    MotionBody {
+        speed_mm_s: Some(100.0),
+        ..MotionBody::new(MotionType::Home)
+    }
+}
 
 const POINT: LegacyPoint = LegacyPoint {
     x: 985.0,
@@ -43,7 +42,9 @@ async fn every_route_has_its_path() {
             "GET /readyz" => Answer::Raw {
                 status: 503,
                 media_type: "application/json",
-                body: r#"{"ready": false, "links": []}"#.to_owned(),
+                body: r#"{"ready": false, "links": [], "journal":
+                    {"writable": false, "durable": true, "epoch": 1, "last_record": 7}}"#
+                    .to_owned(),
             },
             "GET /metrics" => text("cell_motions_total 1\n"),
             "GET /version" => Answer::Json(json!({"version": ["0.1.0"]})),
@@ -136,7 +137,7 @@ async fn a_problem_arrives_whole() {
     let problem = samples::problem(ProblemCode::OutOfWorkspace, Outcome::NotSent);
     let fake = Fake::always(Answer::Problem(Box::new(problem.clone()))).await;
     let robot = Client::new(&fake.url()).unwrap().robot("demo", "r1");
-    let error = robot.create_motion(&HOME).await.unwrap_err();
+    let error = robot.create_motion(&home()).await.unwrap_err();
     assert_eq!(error.problem(), Some(&problem));
     assert_eq!(error.outcome(), Outcome::NotSent);
     assert_eq!(error.request_id(), Some("q1"));
@@ -186,7 +187,7 @@ async fn a_timeout_is_a_doubt_only_after_a_command() {
     };
     let client = Client::with_timeouts(&fake.url(), timeouts).unwrap();
     let robot = client.robot("demo", "r1");
-    let command = robot.create_motion(&HOME).await.unwrap_err();
+    let command = robot.create_motion(&home()).await.unwrap_err();
     assert!(matches!(command, ClientError::Timeout { .. }), "{command}");
     assert_eq!(command.outcome(), Outcome::Unknown);
     assert_eq!(robot.state().await.unwrap_err().outcome(), Outcome::None);
@@ -217,7 +218,7 @@ async fn a_connection_cut_before_the_answer_is_a_doubt_and_nothing_is_sent_twice
     let client = Client::new(&url).unwrap();
     let error = client
         .robot("demo", "r1")
-        .create_motion(&HOME)
+        .create_motion(&home())
         .await
         .unwrap_err();
     assert!(
@@ -261,7 +262,7 @@ async fn a_redirect_is_not_followed() {
     })
     .await;
     let robot = Client::new(&fake.url()).unwrap().robot("demo", "r1");
-    let error = robot.create_motion(&HOME).await.unwrap_err();
+    let error = robot.create_motion(&home()).await.unwrap_err();
     assert_eq!(error.status(), Some(307));
     assert_eq!(fake.lines().len(), 1);
 }
@@ -295,7 +296,7 @@ async fn a_problem_of_a_newer_server_is_still_told() {
     })
     .await;
     let robot = Client::new(&fake.url()).unwrap().robot("demo", "r1");
-    let error = robot.create_motion(&HOME).await.unwrap_err();
+    let error = robot.create_motion(&home()).await.unwrap_err();
     assert_eq!(error.to_string(), "a new kind of no");
     assert_eq!(error.outcome(), Outcome::NotSent);
 }

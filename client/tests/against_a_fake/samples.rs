@@ -19,7 +19,7 @@ pub(crate) fn motion(state: &str) -> Value {
     json!({
         "id": MOTION_ID, "cell": "demo", "robot": "r1", "type": "JOINT", "state": state,
         "completion": "not_observable", "tier": "seed", "target": pose(), "expected_joints": joints(),
-        "speed_mm_s": 200.0, "created_at": "2026-01-02T03:04:05Z", "request_id": "q1",
+        "speed_mm_s": 200.0, "principal": "anna", "created_at": "2026-01-02T03:04:05Z", "request_id": "q1",
         "a_key_of_tomorrow": true,
     })
 }

@@ -17,6 +17,24 @@ pub struct Readiness {
     pub ready: bool,
     /// The links, one a robot.
     pub links: Vec<LinkReadiness>,
+    /// The journal.
+    pub journal: JournalReadiness,
+}
+
+/// Whether the journal takes records. Without it nothing moves.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
+pub struct JournalReadiness {
+    /// Whether it takes records.
+    pub writable: bool,
+    /// Whether it survives a restart.
+    pub durable: bool,
+    /// How often it was opened: a motion is sent in this epoch or not at all.
+    pub epoch: u64,
+    /// The number of its last record.
+    pub last_record: u64,
+    /// Why it takes no records.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub problem: Option<String>,
 }
 
 /// Whether a robot's link takes commands.

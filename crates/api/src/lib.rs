@@ -6,6 +6,7 @@
 
 mod description;
 mod health;
+mod intervention;
 mod kinematics;
 mod legacy;
 mod motion;
@@ -14,7 +15,10 @@ mod problem;
 mod state;
 
 pub use description::{CellSummary, JointDescription, RobotDescription, RobotSummary, Tier};
-pub use health::{LinkReadiness, Liveness, Readiness};
+pub use health::{JournalReadiness, LinkReadiness, Liveness, Readiness};
+pub use intervention::{
+    AllowedAnswer, Intervention, InterventionKind, InterventionList, InterventionState, RespondBody,
+};
 pub use kinematics::{
     BranchBody, ForwardBody, ForwardResult, InverseBody, InverseResult, JointMargin,
     SingularityBody,
@@ -23,7 +27,10 @@ pub use legacy::{
     LegacyDelta, LegacyMoved, LegacyPoint, LegacyRefusal, LegacyValidation, LegacyValidationItem,
     LegacyVersion,
 };
-pub use motion::{Completion, Motion, MotionBody, MotionList, MotionState, MotionType, TargetBody};
+pub use motion::{
+    Completion, DecisionBody, DoubtAnswer, Evidence, ExpectBody, Motion, MotionBody, MotionList,
+    MotionState, MotionType, RelativeTo, TargetBody,
+};
 pub use pose::{JointsBody, PoseBody};
 pub use problem::{Outcome, Problem, ProblemCode, ProblemKind, Violation};
 pub use state::{LinkState, LinkStatus, PoseSource, RobotState};

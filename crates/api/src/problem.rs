@@ -176,6 +176,36 @@ problem_codes! {
     HostNotAllowed, "host-not-allowed", 421, "The host is not one of this server's";
     /// The server has as many event streams open as it may.
     ServerBusy, "server-busy", 503, "The server has no place for the request";
+    /// An effectful POST without `Idempotency-Key`.
+    IdempotencyMissing, "idempotency-missing", 400, "The idempotency key is missing";
+    /// The `Idempotency-Key` was used with another request.
+    IdempotencyMismatch, "idempotency-mismatch", 422, "The idempotency key was used for something else";
+    /// The first request with this `Idempotency-Key` is still being answered.
+    IdempotencyInFlight, "idempotency-in-flight", 409, "The first request with this idempotency key is under way";
+    /// The journal cannot be written, and without it nothing moves.
+    JournalUnavailable, "journal-unavailable", 503, "The journal cannot be written";
+    /// The disk of the journal is full, and without it nothing moves.
+    JournalFull, "journal-full", 507, "The disk of the journal is full";
+    /// The plan of a preview is no longer kept, or was used.
+    PlanExpired, "plan-expired", 409, "The plan has expired";
+    /// What the caller expected does not hold any more.
+    StaleState, "stale-state", 409, "The robot's state has changed";
+    /// A relative motion has no fresh pose to count from.
+    PoseStale, "pose-stale", 409, "The robot's pose is not known well enough";
+    /// A motion of the robot is in doubt, and nobody has decided about it.
+    InDoubt, "in-doubt", 409, "A motion of the robot is in doubt";
+    /// The server restarted before the motion's end was known.
+    ServerRestarted, "server-restarted", 409, "The server restarted before the end was known";
+    /// The motion was taken back, or stopped.
+    MotionCanceled, "motion-canceled", 409, "The motion was canceled";
+    /// The motion began and did not get to its target.
+    MotionInterrupted, "motion-interrupted", 409, "The motion was interrupted";
+    /// The controller of the robot cannot do this.
+    NotSupported, "not-supported", 409, "The robot's controller cannot do this";
+    /// The state of the motion does not allow this.
+    WrongMotionState, "wrong-motion-state", 409, "The motion's state does not allow this";
+    /// Somebody has answered the intervention.
+    AlreadyAnswered, "already-answered", 409, "The intervention was answered";
 }
 
 // By hand: the derived schema does not see a name that a macro gives, and would list the variants.

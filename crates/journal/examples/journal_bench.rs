@@ -197,6 +197,7 @@ fn intent(journal: &SqliteJournal, n: u64, claim: Option<Claim>) -> Intent {
         claim,
         job: None,
         reason: None,
+        asked: None,
     }
 }
 

@@ -69,6 +69,28 @@ impl AppendError {
         }
     }
 
+    /// Whether it was not kept for want of room, as far as the store tells.
+    #[must_use]
+    pub fn is_disk_full(&self) -> bool {
+        let cause = match self {
+            Self::Failed { source, .. } | Self::Poisoned(source) => source,
+            Self::Refused(_) | Self::Busy { .. } | Self::Closed { .. } => return false,
+        };
+        let full = |error: &std::io::Error| error.kind() == std::io::ErrorKind::StorageFull;
+        if let Some(error) = cause.downcast_ref::<std::io::Error>() {
+            return full(error);
+        }
+        match cause.downcast_ref::<sqlx::Error>() {
+            Some(sqlx::Error::Io(error)) => full(error),
+            Some(error) => error
+                .as_database_error()
+                .and_then(|error| error.code())
+                // SQLITE_FULL.
+                .is_some_and(|code| code == "13"),
+            None => false,
+        }
+    }
+
     /// Whether the journal takes further records.
     #[must_use]
     pub fn is_fatal(&self) -> bool {

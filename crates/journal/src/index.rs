@@ -17,6 +17,8 @@ pub(crate) struct Index {
     pub(crate) motions: BTreeMap<MotionId, MotionEntry>,
     pub(crate) jobs: BTreeMap<JobId, JobEntry>,
     pub(crate) claims: BTreeMap<IdempotencyKey, KeyEntry>,
+    /// Where the decisions of cells stand.
+    pub(crate) decided: BTreeMap<Position, String>,
     /// The same keys by the time of their use, and by the place of the record that took them: the wall clock may
     /// have jumped between two records, so these are two orders.
     by_time: BTreeMap<(i64, Position), IdempotencyKey>,
@@ -66,6 +68,9 @@ impl Index {
         if let Some(job) = change.job {
             let _before = self.jobs.insert(job.job, job);
         }
+        if let Some((position, cell)) = change.decided {
+            let _before = self.decided.insert(position, cell);
+        }
         if let Some(key) = change.key {
             self.forget_expired(at);
             let name = key.claim.key.clone();
@@ -93,6 +98,29 @@ impl Index {
                 first: entry.position,
             }),
         }
+    }
+
+    /// Forgets what is at its end and stands before `first` as a whole: of use to a journal that keeps no old records.
+    pub(crate) fn forget_before(&mut self, first: Position) {
+        self.motions.retain(|_, entry| {
+            let latest = [entry.accepted, entry.outcome, entry.decision];
+            let latest = latest
+                .into_iter()
+                .flatten()
+                .fold(entry.intent, Position::max);
+            entry.phase != MotionPhase::Closed || latest >= first
+        });
+        self.jobs
+            .retain(|_, entry| entry.ended.is_none() || entry.latest >= first);
+        self.decided = self.decided.split_off(&first);
+        let gone: Vec<_> = self
+            .by_place
+            .range(..first)
+            .map(|(_, key)| key)
+            .filter(|key| self.may_go(key))
+            .cloned()
+            .collect();
+        self.forget(gone);
     }
 
     fn phase(&self, entry: &KeyEntry) -> Option<MotionPhase> {

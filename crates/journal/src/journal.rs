@@ -89,6 +89,28 @@ pub trait Journal: Send + Sync + 'static {
         limit: usize,
     ) -> impl Future<Output = Result<Vec<JobEntry>, ReadError>> + Send;
 
+    /// Up to `limit` (at most [`MAX_PAGE`]) motions whose intents stand before `before`, the newest first.
+    ///
+    /// # Errors
+    /// [`ReadError`] if they cannot be read.
+    fn latest_motions(
+        &self,
+        before: Position,
+        limit: usize,
+    ) -> impl Future<Output = Result<Vec<MotionEntry>, ReadError>> + Send;
+
+    /// Up to `limit` (at most [`MAX_PAGE`]) [`CellDecided`](Record::CellDecided) records of `cell` behind `after`, in
+    /// their order. The other records are not read.
+    ///
+    /// # Errors
+    /// [`ReadError`] if they cannot be read.
+    fn decided(
+        &self,
+        cell: &str,
+        after: Position,
+        limit: usize,
+    ) -> impl Future<Output = Result<Vec<Stored>, ReadError>> + Send;
+
     /// Keeps an intent, and returns the permission to send it once it is durable.
     ///
     /// # Errors

@@ -19,7 +19,7 @@
 //! #     let target = Target { x_um: 600_000, y_um: 0, z_um: 600_000, w_mdeg: 180_000, p_mdeg: 0, r_mdeg: 0 };
 //! #     Intent { motion: MotionId(uuid::Uuid::from_u128(1)), cell: "c1".into(), robot: "r1".into(), epoch, seq: 1, target,
 //! #         speed_um_s: 200_000, class: Repeatability::AbsoluteFree, request_id: "q1".into(), claim: None, job: None,
-//! #         reason: None }
+//! #         reason: None, asked: None }
 //! # }
 //! # #[tokio::main(flavor = "current_thread")] async fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! # let directory = tempfile::tempdir()?;
@@ -70,9 +70,9 @@ pub use journal::{
 pub use memory::{Fault, MemoryDisk, MemoryJournal, MemoryOpenError};
 pub use opening::Opening;
 pub use record::{
-    Accepted, Answer, Arrival, Audit, AuditResult, Completion, Decision, End, Hold, Intent,
-    JobCreated, JobEnd, JobEnded, JobStep, Mode, NoMotion, Observation, Outcome, Record,
-    Repeatability, ServerStarted, SignalReceived, Standstill, StepState, Subject, Target,
+    Accepted, Answer, Arrival, Asked, Audit, AuditResult, CellDecided, Completion, Decision, End,
+    Hold, Intent, JobCreated, JobEnd, JobEnded, JobStep, Mode, NoMotion, Observation, Outcome,
+    Record, Repeatability, ServerStarted, SignalReceived, Standstill, StepState, Subject, Target,
 };
 pub use rules::{JobEntry, KeyEntry, MotionEntry, MotionPhase, Refusal};
 pub use sqlite::{

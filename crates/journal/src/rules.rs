@@ -184,6 +184,8 @@ pub(crate) struct Change {
     pub(crate) motion: Option<MotionEntry>,
     pub(crate) job: Option<JobEntry>,
     pub(crate) key: Option<KeyEntry>,
+    /// A decision of this cell stands there.
+    pub(crate) decided: Option<(Position, String)>,
 }
 
 pub(crate) fn wall_ms(at: &Clocks) -> i64 {
@@ -230,6 +232,9 @@ pub(crate) fn judge(record: &Record, facts: &Facts, context: &Context) -> Result
             used_ms: wall_ms(&context.at),
             motion: record.motion(),
         }),
+        decided: record
+            .decided_cell()
+            .map(|cell| (context.position, cell.to_owned())),
         ..Change::default()
     };
     match record {
@@ -254,7 +259,7 @@ pub(crate) fn judge(record: &Record, facts: &Facts, context: &Context) -> Result
         Record::JobCreated(_) | Record::JobStep(_) | Record::JobEnded(_) => {
             change.job = job_after(record, facts.job.as_ref(), context.position)?;
         }
-        Record::SignalReceived(_) | Record::Audit(_) => {}
+        Record::SignalReceived(_) | Record::Audit(_) | Record::CellDecided(_) => {}
     }
     Ok(Verdict::Keep(change))
 }
@@ -302,9 +307,13 @@ fn motion_after(
                     return Err(wrong);
                 }
                 (End::InDoubt { .. }, _) => MotionPhase::InDoubt,
-                (End::Done { .. } | End::Rejected { .. } | End::NotExecuted { .. }, _) => {
-                    MotionPhase::Closed
-                }
+                (
+                    End::Done { .. }
+                    | End::Rejected { .. }
+                    | End::NotExecuted { .. }
+                    | End::Interrupted { .. },
+                    _,
+                ) => MotionPhase::Closed,
             };
             MotionEntry {
                 phase,

@@ -15,10 +15,10 @@ use std::path::PathBuf;
 
 use common::{at, claim, intent, job, job_created, motion, outcome};
 use journal::{
-    Accepted, Answer, Arrival, Audit, AuditResult, Completion, Decision, DecisionId, Digest, End,
-    Epoch, Head, Hold, JobEnd, JobEnded, JobStep, KeyRetention, Mode, NoMotion, Observation,
-    Position, Record, ServerStarted, SignalId, SignalReceived, Standstill, StepState, Stored,
-    Subject, Walker, read_line,
+    Accepted, Answer, Arrival, Asked, Audit, AuditResult, CellDecided, Completion, Decision,
+    DecisionId, Digest, End, Epoch, Head, Hold, JobEnd, JobEnded, JobStep, KeyRetention, Mode,
+    NoMotion, Observation, Position, Record, ServerStarted, SignalId, SignalReceived, Standstill,
+    StepState, Stored, Subject, Walker, read_line,
 };
 use uuid::Uuid;
 
@@ -48,6 +48,22 @@ fn full_intent() -> Record {
     Record::Intent(Box::new(intent))
 }
 
+/// With what was added to version 1 later.
+fn asked_intent() -> Record {
+    let mut intent = intent(Epoch(1), 1, None);
+    intent.speed_um_s = 0;
+    intent.asked = Some(Box::new(Asked {
+        motion_type: "RELATIVE".into(),
+        principal: "anna".into(),
+        joints_mdeg: [0, 0, 0, 0, -90_000, 0],
+        speed_percent: Some(20),
+        not_after: Some(at(9).wall),
+        wire_epoch: Some(1_000),
+        from: Some(intent.target),
+    }));
+    Record::Intent(Box::new(intent))
+}
+
 /// One of each kind, and of each way a motion ends.
 fn examples() -> Vec<(&'static str, Record)> {
     let mut examples = motion_examples();
@@ -72,6 +88,14 @@ fn motion_examples() -> Vec<(&'static str, Record)> {
             }),
         ),
         ("intent", full_intent()),
+        ("intent_asked", asked_intent()),
+        (
+            "outcome_interrupted",
+            ends(End::Interrupted {
+                reason: "stopped".into(),
+                seen: Some(observation()),
+            }),
+        ),
         (
             "accepted",
             Record::Accepted(Accepted {
@@ -183,6 +207,13 @@ fn work_examples() -> Vec<(&'static str, Record)> {
                 after: Some("{\"max\":2}".into()),
             }),
         ),
+        (
+            "cell_decided",
+            Record::CellDecided(CellDecided {
+                cell: "c1".into(),
+                facts: "[{\"fact\":\"job_created\"}]".into(),
+            }),
+        ),
     ]
 }
 
@@ -204,7 +235,7 @@ fn each_kind_has_the_bytes_it_always_had() {
         assert_eq!(stored.encode().unwrap(), frozen, "{name}");
         assert_eq!(Stored::decode(frozen.as_bytes()).unwrap(), stored, "{name}");
     }
-    assert_eq!(kinds.len(), 10, "each kind has an example");
+    assert_eq!(kinds.len(), 11, "each kind has an example");
     let files = std::fs::read_dir(testdata()).unwrap();
     let files = files.filter(|file| {
         let path = file.as_ref().unwrap().path();

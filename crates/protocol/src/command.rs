@@ -84,6 +84,12 @@ impl WireMove {
         self.point
     }
 
+    /// The programmed speed in mm/s.
+    #[must_use]
+    pub fn speed(&self) -> u16 {
+        self.speed
+    }
+
     /// The values the controller will compute from the thousandths.
     #[must_use]
     pub fn command(&self) -> MoveCommand {

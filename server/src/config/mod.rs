@@ -72,6 +72,19 @@ impl Default for ServerSection {
     }
 }
 
+/// `[journal]`: what was meant to be done and what became of it.
+#[derive(Clone, Debug, Default, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields, default)]
+pub struct JournalSection {
+    /// The file, relative to the configuration's folder. Absent: a journal in memory, of which nothing survives.
+    pub path: Option<std::path::PathBuf>,
+    /// Whether the file may be on a filesystem that forgets at a power loss, as one in memory.
+    pub allow_volatile_filesystem: bool,
+    /// Whether the file may be older than one that was open at its place before: a person has put back a backup, and
+    /// looks at every robot before it moves.
+    pub restored: bool,
+}
+
 /// `[[cells]]`: a cell and its robots.
 #[derive(Clone, Debug, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields)]

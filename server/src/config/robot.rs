@@ -58,6 +58,13 @@ impl CellPlan {
 }
 
 impl RobotPlan {
+    /// What can be known of a motion's end.
+    pub(crate) fn completion(&self) -> api::Completion {
+        match self.tier {
+            api::Tier::Seed => api::Completion::NotObservable,
+        }
+    }
+
     fn try_new(key: &str, cell: &str, section: &RobotSection) -> Result<Self, ConfigError> {
         let at = |name: &str| format!("{key}.{name}");
         let robot = id(&at("id"), &section.id)?;

@@ -4,7 +4,7 @@ use std::time::Duration;
 use api::{Outcome, ProblemCode};
 use thiserror::Error;
 
-use crate::motion_store::End;
+use crate::motions::End;
 
 /// Why a command got no answer that tells.
 ///
@@ -14,6 +14,8 @@ use crate::motion_store::End;
 pub(crate) enum LinkError {
     #[error("it waited for its turn until its deadline")]
     DeadlinePassed,
+    #[error("it was taken back before its turn came")]
+    TakenBack,
     #[error("connecting to the controller at {address}")]
     Connect {
         address: String,
@@ -46,8 +48,9 @@ pub(crate) enum LinkError {
 
 impl LinkError {
     /// The labels of [`Self::metric_label`].
-    pub(crate) const METRIC_LABELS: [&'static str; 8] = [
+    pub(crate) const METRIC_LABELS: [&'static str; 9] = [
         "deadline_passed",
+        "taken_back",
         "not_connected",
         "not_written",
         "stopping",
@@ -60,6 +63,7 @@ impl LinkError {
     pub(crate) fn metric_label(&self) -> &'static str {
         match self {
             Self::DeadlinePassed => "deadline_passed",
+            Self::TakenBack => "taken_back",
             Self::Connect { .. } | Self::ConnectTimeout { .. } => "not_connected",
             Self::WriteNothing(_) => "not_written",
             Self::Stopping => "stopping",
@@ -73,6 +77,7 @@ impl LinkError {
     pub(crate) fn outcome(&self) -> Outcome {
         match self {
             Self::DeadlinePassed
+            | Self::TakenBack
             | Self::Connect { .. }
             | Self::ConnectTimeout { .. }
             | Self::WriteNothing(_)
@@ -88,6 +93,7 @@ impl LinkError {
     pub(crate) fn code(&self) -> ProblemCode {
         match self {
             Self::DeadlinePassed => ProblemCode::DeadlinePassed,
+            Self::TakenBack => ProblemCode::MotionCanceled,
             Self::Connect { .. } | Self::ConnectTimeout { .. } | Self::WriteNothing(_) => {
                 ProblemCode::ControllerDisconnected
             }
@@ -105,6 +111,7 @@ impl LinkError {
         match self {
             Self::UnknownReply { text } => Some(text),
             Self::DeadlinePassed
+            | Self::TakenBack
             | Self::Connect { .. }
             | Self::ConnectTimeout { .. }
             | Self::WriteNothing(_)
@@ -119,10 +126,15 @@ impl LinkError {
     /// What the motion's record says.
     pub(crate) fn end(&self) -> End {
         match self.outcome() {
-            Outcome::NotSent | Outcome::None => End::NotExecuted { code: self.code() },
+            Outcome::NotSent | Outcome::None => End::NotExecuted {
+                code: self.code(),
+                why: Some(self.chain().into()),
+            },
             Outcome::Rejected | Outcome::Unknown => End::InDoubt {
                 code: self.code(),
                 text: self.controller_text().map(str::to_owned),
+                why: Some(self.chain().into()),
+                seen: None,
             },
         }
     }

@@ -12,7 +12,7 @@ mod tcp;
 #[cfg(test)]
 mod tests;
 
-use std::time::Duration;
+use std::sync::Arc;
 
 use api::{LinkState, ProblemCode};
 use jiff::Timestamp;
@@ -27,6 +27,8 @@ pub(crate) use error::LinkError;
 pub(crate) use owner::{Owner, spawn};
 pub use tcp::{TcpConnection, TcpConnector};
 
+use crate::journal::Trouble;
+use crate::motions::Permit;
 use crate::request_id::RequestId;
 use crate::target::{Prepared, Refusal};
 
@@ -41,16 +43,23 @@ pub(crate) struct Link {
 #[derive(Debug)]
 pub(crate) enum Order {
     /// A move that was checked and recorded.
-    Move { motion: Uuid, prepared: Prepared },
+    Move { permit: Permit, prepared: Prepared },
     /// A change to the last accepted target. Only the owner of the link knows that target when the turn comes, so
     /// two of these never count from the same one.
-    Delta { change: [f64; 6], speed: MmPerSec },
+    Delta {
+        change: [f64; 6],
+        speed: MmPerSec,
+        principal: Arc<str>,
+    },
 }
 
 /// An order in the queue.
 #[derive(Debug)]
 pub(crate) struct Job {
     order: Order,
+    /// When its turn must have come.
+    begin_by: Instant,
+    /// When its answer must have come.
     deadline: Instant,
     request_id: RequestId,
     answer: oneshot::Sender<Answer>,
@@ -60,11 +69,7 @@ pub(crate) struct Job {
 #[derive(Debug)]
 pub(crate) enum Answer {
     /// The controller answered.
-    Replied {
-        motion: Uuid,
-        reply: Reply,
-        sent: WireMove,
-    },
+    Replied { reply: Reply, sent: WireMove },
     /// No answer that tells.
     Failed {
         /// Absent where no motion came to be recorded.
@@ -75,6 +80,8 @@ pub(crate) enum Answer {
     Refused(Refusal),
     /// A relative move has nothing to count from.
     NoBase(Base),
+    /// The intent of a relative move could not be kept; nothing was sent.
+    Unkept(Trouble),
 }
 
 /// What a relative move counts from.
@@ -139,21 +146,23 @@ impl Link {
 }
 
 impl Place<'_> {
-    /// Queues an order; the answer comes by `deadline` or shortly after. `None` means that the owner task is gone,
-    /// which only a defect of the server can cause.
-    pub(crate) async fn fill(
+    /// Queues an order; the answer comes by `deadline` or shortly after. That none comes means that the owner task is
+    /// gone, which only a defect of the server can cause.
+    pub(crate) fn send(
         self,
         order: Order,
-        within: Duration,
+        begin_by: Instant,
+        deadline: Instant,
         request_id: RequestId,
-    ) -> Option<Answer> {
+    ) -> oneshot::Receiver<Answer> {
         let (answer, answered) = oneshot::channel();
         self.0.send(Job {
             order,
-            deadline: Instant::now() + within,
+            begin_by,
+            deadline,
             request_id,
             answer,
         });
-        answered.await.ok()
+        answered
     }
 }

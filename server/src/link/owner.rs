@@ -1,7 +1,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use api::{LinkState, Outcome};
+use api::{LinkState, Outcome, ProblemCode};
 use kinematics::Xyzwpr;
 use protocol::{Reply, WireMove};
 use tokio::sync::{mpsc, watch};
@@ -15,7 +15,8 @@ use super::seed::{Answered, Drained, Exchange, drain};
 use super::{Answer, Base, Connector, Job, Link, LinkError, Order, Status};
 use crate::config::RobotPlan;
 use crate::metrics::LinkMetrics;
-use crate::motion_store::{End, MotionStore};
+use crate::motions::{Asked, End, Entry, Motions, Permit};
+use crate::request_id::RequestId;
 use crate::target::{Prepared, sent_point};
 
 /// For how long after an answer a refused connection means that the controller is reopening its tag.
@@ -27,7 +28,7 @@ const REOPENING: Duration = Duration::from_millis(300);
 #[derive(Debug)]
 pub(crate) struct Owner<C> {
     pub(crate) plan: Arc<RobotPlan>,
-    pub(crate) motions: Arc<MotionStore>,
+    pub(crate) motions: Arc<Motions>,
     pub(crate) connector: Arc<C>,
     pub(crate) metrics: LinkMetrics,
 }
@@ -80,29 +81,41 @@ impl<C: Connector> Task<C> {
         }
         jobs.close();
         while let Some(job) = jobs.recv().await {
-            self.fail_unsent(job, LinkError::Stopping);
+            self.fail_unsent(job, LinkError::Stopping).await;
         }
     }
 
     async fn carry_out(&mut self, job: Job) {
-        if Instant::now() >= job.deadline {
-            self.fail_unsent(job, LinkError::DeadlinePassed);
+        if Instant::now() >= job.begin_by.min(job.deadline) {
+            self.fail_unsent(job, LinkError::DeadlinePassed).await;
             return;
         }
-        let (motion, prepared) = match job.order {
-            Order::Move { motion, prepared } => (motion, prepared),
-            Order::Delta { change, speed } => match self.resolve(change, speed) {
-                Ok(prepared) => {
-                    let id = job.request_id.clone();
-                    (self.owner.motions.queue(prepared, id, None), prepared)
-                }
+        let (permit, prepared) = match job.order {
+            Order::Move { permit, prepared } => (permit, prepared),
+            Order::Delta {
+                change,
+                speed,
+                principal,
+            } => match self
+                .begin_delta(change, speed, principal, &job.request_id)
+                .await
+            {
+                Ok(begun) => begun,
                 Err(answer) => {
                     answer_caller(job.answer, answer);
                     return;
                 }
             },
         };
-        self.owner.motions.dispatch(motion);
+        let motion = permit.motion();
+        if !self.owner.motions.dispatch(motion) {
+            let answer = Answer::Failed {
+                motion: Some(motion),
+                error: LinkError::TakenBack,
+            };
+            answer_caller(job.answer, answer);
+            return;
+        }
         self.publish.send_modify(|status| {
             status.state = LinkState::Busy;
             status.last_motion = Some(motion);
@@ -112,11 +125,11 @@ impl<C: Connector> Task<C> {
             .await;
         match exchanged {
             Ok(Answered { reply, stream }) => {
-                self.record_reply(motion, reply, prepared.wire, &job.request_id);
+                self.record_reply(motion, reply, prepared.wire, &job.request_id)
+                    .await;
                 answer_caller(
                     job.answer,
                     Answer::Replied {
-                        motion,
                         reply,
                         sent: prepared.wire,
                     },
@@ -124,7 +137,7 @@ impl<C: Connector> Task<C> {
                 self.finish(stream, &job.request_id).await;
             }
             Err(error) => {
-                self.record_failure(motion, &error, &job.request_id);
+                self.record_failure(motion, &error, &job.request_id).await;
                 let answer = Answer::Failed {
                     motion: Some(motion),
                     error,
@@ -158,6 +171,28 @@ impl<C: Connector> Task<C> {
         Ok(answered)
     }
 
+    /// Resolves a relative move and makes its intent durable.
+    async fn begin_delta(
+        &self,
+        change: [f64; 6],
+        speed: units::MmPerSec,
+        principal: Arc<str>,
+        request_id: &RequestId,
+    ) -> Result<(Permit, Prepared), Answer> {
+        let prepared = self.resolve(change, speed)?;
+        let entry = Entry {
+            asked: Asked::of(&prepared),
+            request_id: request_id.clone(),
+            principal,
+            reason: None,
+            not_after: None,
+        };
+        match self.owner.motions.begin_in_link(entry).await {
+            Ok(permit) => Ok((permit, prepared)),
+            Err(trouble) => Err(Answer::Unkept(trouble)),
+        }
+    }
+
     /// The absolute target of a relative move, counted from the target last accepted.
     fn resolve(&self, change: [f64; 6], speed: units::MmPerSec) -> Result<Prepared, Answer> {
         let base = self.publish.borrow().base;
@@ -180,12 +215,15 @@ impl<C: Connector> Task<C> {
             .map_err(Answer::Refused)
     }
 
-    fn record_reply(&self, motion: Uuid, reply: Reply, sent: WireMove, request_id: &str) {
+    async fn record_reply(&self, motion: Uuid, reply: Reply, sent: WireMove, request_id: &str) {
         let end = match reply {
             Reply::Accepted => End::Accepted,
-            Reply::Unreachable | Reply::IncorrectInput => End::Rejected { text: reply.text() },
+            Reply::Unreachable | Reply::IncorrectInput => End::Rejected {
+                text: reply.text().into(),
+                code: ProblemCode::ControllerRejected,
+            },
         };
-        let at = self.owner.motions.end(motion, end);
+        let at = self.owner.motions.end(motion, end).await;
         self.owner.metrics.reply(reply);
         self.publish.send_modify(|status| {
             status.state = LinkState::Answering;
@@ -213,8 +251,8 @@ impl<C: Connector> Task<C> {
         }
     }
 
-    fn record_failure(&self, motion: Uuid, error: &LinkError, request_id: &str) {
-        let _at = self.owner.motions.end(motion, error.end());
+    async fn record_failure(&self, motion: Uuid, error: &LinkError, request_id: &str) {
+        let _at = self.owner.motions.end(motion, error.end()).await;
         self.owner.metrics.failure(error);
         let in_doubt = error.outcome() == Outcome::Unknown;
         self.publish.send_modify(|status| {
@@ -239,13 +277,13 @@ impl<C: Connector> Task<C> {
     }
 
     /// Answers an order whose turn did not come.
-    fn fail_unsent(&self, job: Job, error: LinkError) {
-        let motion = match job.order {
-            Order::Move { motion, .. } => Some(motion),
+    async fn fail_unsent(&self, job: Job, error: LinkError) {
+        let motion = match &job.order {
+            Order::Move { permit, .. } => Some(permit.motion()),
             Order::Delta { .. } => None,
         };
         if let Some(motion) = motion {
-            let _at = self.owner.motions.end(motion, error.end());
+            let _at = self.owner.motions.end(motion, error.end()).await;
         }
         self.owner.metrics.failure(&error);
         tracing::info!(

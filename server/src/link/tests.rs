@@ -18,8 +18,9 @@ use units::MmPerSec;
 use super::{Answer, Base, Connector, ControllerAddress, Link, LinkError, Order, Owner, spawn};
 use crate::SystemClock;
 use crate::config::{CellSection, Plan, RobotPlan, RobotSection, ServerSection};
+use crate::journal::SharedJournal;
 use crate::metrics::Metrics;
-use crate::motion_store::MotionStore;
+use crate::motions::{Asked, Entry, Motions};
 use crate::request_id::RequestId;
 
 /// What a connection attempt runs into; an attempt beyond the script is taken and accepted at once.
@@ -75,7 +76,7 @@ impl Connector for Pipes {
 }
 
 /// A link with a connect timeout of 1 s, a reply timeout of 2 s.
-fn link(pipes: &Pipes) -> (Link, Arc<RobotPlan>, Arc<MotionStore>) {
+fn link(pipes: &Pipes) -> (Link, Arc<RobotPlan>, Arc<Motions>) {
     let robot = RobotSection {
         connect_timeout_ms: 1_000,
         reply_timeout_ms: 2_000,
@@ -88,7 +89,12 @@ fn link(pipes: &Pipes) -> (Link, Arc<RobotPlan>, Arc<MotionStore>) {
     };
     let plan = Plan::try_new(&ServerSection::default(), &[cell]).unwrap();
     let plan = Arc::new(plan.cells[0].robots[0].clone());
-    let motions = Arc::new(MotionStore::new(Arc::new(SystemClock)));
+    let motions = Arc::new(Motions::new(
+        Arc::clone(&plan),
+        Arc::new(SystemClock),
+        SharedJournal::volatile(),
+        TaskTracker::new(),
+    ));
     let owner = Owner {
         plan: Arc::clone(&plan),
         motions: Arc::clone(&motions),
@@ -101,15 +107,26 @@ fn link(pipes: &Pipes) -> (Link, Arc<RobotPlan>, Arc<MotionStore>) {
 
 /// Sends a move home, with a deadline.
 async fn home(
-    (link, plan, motions): &(Link, Arc<RobotPlan>, Arc<MotionStore>),
+    (link, plan, motions): &(Link, Arc<RobotPlan>, Arc<Motions>),
     within: Duration,
 ) -> Answer {
     let prepared = plan.prepare_home(MmPerSec(100.0)).unwrap();
     let request_id = RequestId::of(&HeaderMap::new(), || Timestamp::UNIX_EPOCH);
-    let motion = motions.queue(prepared, request_id.clone(), None);
+    let entry = Entry {
+        asked: Asked::of(&prepared),
+        request_id: request_id.clone(),
+        principal: Arc::from("anyone"),
+        reason: None,
+        not_after: None,
+    };
     let place = link.reserve().unwrap();
-    let order = Order::Move { motion, prepared };
-    place.fill(order, within, request_id).await.unwrap()
+    let permit = motions.begin_in_link(entry).await.unwrap();
+    let order = Order::Move { permit, prepared };
+    let deadline = Instant::now() + within;
+    place
+        .send(order, deadline, deadline, request_id)
+        .await
+        .unwrap()
 }
 
 const LONG: Duration = Duration::from_secs(10);
@@ -117,7 +134,7 @@ const LONG: Duration = Duration::from_secs(10);
 fn error_of(answer: Answer) -> LinkError {
     match answer {
         Answer::Failed { error, .. } => error,
-        Answer::Replied { .. } | Answer::Refused(_) | Answer::NoBase(_) => {
+        Answer::Replied { .. } | Answer::Refused(_) | Answer::NoBase(_) | Answer::Unkept(_) => {
             panic!("{answer:?} is no failure")
         }
     }

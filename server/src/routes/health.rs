@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use api::{LinkReadiness, Liveness, Readiness};
+use api::{JournalReadiness, LinkReadiness, Liveness, Readiness};
 use axum::Json;
 use axum::extract::State;
 use axum::http::{HeaderName, StatusCode, header};
 
 use super::responses::AnyProblem;
+use crate::journal::Keeps;
 use crate::state::{App, Robot};
 
 /// Says that the process answers.
@@ -19,24 +20,36 @@ pub(super) async fn livez() -> Json<Liveness> {
     Json(Liveness { alive: true })
 }
 
-/// Says whether the server takes commands.
+/// Says whether the server takes commands: every link does, and the journal can be written.
 #[utoipa::path(
     get, path = "/readyz", tag = "health",
     responses(
         (status = 200, description = "Every link takes commands.", body = Readiness),
-        (status = 503, description = "A link does not, as when the server is stopping.", body = Readiness),
+        (status = 503, description = "A link does not, as when the server is stopping, or the journal cannot be written: then nothing moves.", body = Readiness),
         AnyProblem,
     ),
 )]
 pub(super) async fn readyz(State(app): State<Arc<App>>) -> (StatusCode, Json<Readiness>) {
     let links: Vec<_> = robots(&app).map(|robot| link_readiness(robot)).collect();
-    let ready = links.iter().all(|link| link.running);
+    let journal = JournalReadiness {
+        writable: app.journal.broken().is_none(),
+        durable: app.journal.keeps() == Keeps::OverRestarts,
+        epoch: app.journal.epoch().0,
+        last_record: app.journal.head().position.0,
+        problem: app.journal.broken().map(ToString::to_string),
+    };
+    let ready = journal.writable && links.iter().all(|link| link.running);
     let status = if ready {
         StatusCode::OK
     } else {
         StatusCode::SERVICE_UNAVAILABLE
     };
-    (status, Json(Readiness { ready, links }))
+    let readiness = Readiness {
+        ready,
+        links,
+        journal,
+    };
+    (status, Json(readiness))
 }
 
 /// Counts and durations, in the Prometheus text format.

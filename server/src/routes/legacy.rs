@@ -12,10 +12,11 @@ use protocol::{MAX_SPEED, MIN_SPEED};
 use serde::de::DeserializeOwned;
 use units::MmPerSec;
 
+use super::caller::Caller;
 use super::legacy_error::LegacyError;
 use super::responses::{AnyProblem, BodyProblem, CrossSite, LinkProblem};
-use crate::commands::{Accepted, CommandFailure};
 use crate::extract::read_json;
+use crate::motions::{Accepted, CommandFailure};
 use crate::request_id::RequestId;
 use crate::state::{App, Robot, shown};
 use crate::target::{Prepared, Refusal, sent_point};
@@ -42,13 +43,14 @@ const DEFAULT_VELOCITY: u16 = 200;
 )]
 pub(super) async fn fanuc_move(
     State(app): State<Arc<App>>,
+    Caller(principal): Caller,
     request_id: RequestId,
     Velocity(speed): Velocity,
     LegacyBody(body): LegacyBody<LegacyPoint>,
 ) -> Result<Json<LegacyMoved>, LegacyError> {
     let robot = &app.legacy;
     let prepared = robot.plan.prepare_point(&point_of_legacy(&body), speed);
-    send(robot, prepared, request_id).await
+    send(robot, prepared, request_id, principal).await
 }
 
 /// Moves to the home joints of the arm model.
@@ -65,12 +67,13 @@ pub(super) async fn fanuc_move(
 )]
 pub(super) async fn fanuc_home(
     State(app): State<Arc<App>>,
+    Caller(principal): Caller,
     request_id: RequestId,
     Velocity(speed): Velocity,
 ) -> Result<Json<LegacyMoved>, LegacyError> {
     let robot = &app.legacy;
     let prepared = robot.plan.prepare_home(speed);
-    send(robot, prepared, request_id).await
+    send(robot, prepared, request_id, principal).await
 }
 
 /// Moves relative to the last accepted target, number by number.
@@ -91,13 +94,16 @@ pub(super) async fn fanuc_home(
 )]
 pub(super) async fn fanuc_delta(
     State(app): State<Arc<App>>,
+    Caller(principal): Caller,
     request_id: RequestId,
     Velocity(speed): Velocity,
     LegacyBody(body): LegacyBody<LegacyDelta>,
 ) -> Result<Json<LegacyMoved>, LegacyError> {
     let robot = &app.legacy;
     let change = [body.dx, body.dy, body.dz, body.dw, body.dp, body.dr];
-    let sent = robot.carry_out_delta(change, speed, request_id).await;
+    let sent = robot
+        .carry_out_delta(change, speed, request_id, principal)
+        .await;
     answer(sent)
 }
 
@@ -117,13 +123,16 @@ async fn send(
     robot: &Arc<Robot>,
     prepared: Result<Prepared, Refusal>,
     request_id: RequestId,
+    principal: Arc<str>,
 ) -> Result<Json<LegacyMoved>, LegacyError> {
     let prepared = prepared.map_err(|refusal| {
         refusal.log(&robot.plan.id, &request_id);
         LegacyError::of_refusal(&refusal, &POINT)
     })?;
     let within = robot.plan.deadline;
-    let sent = robot.carry_out(prepared, request_id, within, None).await;
+    let sent = robot
+        .carry_out(prepared, request_id, principal, within)
+        .await;
     answer(sent)
 }
 

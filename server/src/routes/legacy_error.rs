@@ -5,8 +5,8 @@ use axum::Json;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 
-use crate::commands::{CommandFailure, no_base};
 use crate::extract::BodyError;
+use crate::motions::{CommandFailure, no_base};
 use crate::problem::Problem;
 use crate::target::{Concern, Refusal};
 
@@ -47,7 +47,7 @@ impl LegacyError {
 
     pub(crate) fn of_failure(failure: CommandFailure) -> Self {
         match failure {
-            CommandFailure::Rejected { reply, motion: _ } => Self::Refused(reply.text().to_owned()),
+            CommandFailure::Rejected(reply) => Self::Refused(reply.text().to_owned()),
             // The target of a relative move is a sum, so no single number of the body is to blame.
             CommandFailure::Refused(refusal) => Self::of_refusal(&refusal, &[]),
             CommandFailure::NoBase(base) => {

@@ -1,13 +1,17 @@
 //! The routes, one file a resource. `routes!` registers a handler and its description in one step, so that no route
 //! can miss the OpenAPI document.
 
+mod caller;
 mod cells;
 mod health;
+mod interventions;
 mod kinematics;
 mod legacy;
 mod legacy_error;
+mod motion_body;
 mod motions;
 mod params;
+mod prefer;
 mod problems;
 mod responses;
 mod robots;
@@ -36,6 +40,9 @@ pub(crate) fn documented() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(kinematics::inverse))
         .routes(routes!(motions::create_motion, motions::list_motions))
         .routes(routes!(motions::get_motion))
+        .routes(routes!(interventions::list_interventions))
+        .routes(routes!(interventions::get_intervention))
+        .routes(routes!(interventions::respond))
         .routes(routes!(problems::list_problems))
         .routes(routes!(problems::get_problem))
         .routes(routes!(health::livez))

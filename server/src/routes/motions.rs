@@ -1,96 +1,142 @@
 //! Motions: asking for one, and what became of each.
 
+use std::sync::Arc;
 use std::time::Duration;
 
-use api::{
-    Motion, MotionBody, MotionList, MotionType, Outcome, ProblemCode, TargetBody, Violation,
-};
+use api::{Motion, MotionBody, MotionList, Outcome, ProblemCode};
 use axum::Json;
-use axum::http::{HeaderName, StatusCode, header};
-use units::MmPerSec;
+use axum::extract::State;
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use journal::{LookupError, Refusal};
+use tokio::time::Instant;
+use uuid::Uuid;
 
+use super::caller::Caller;
+use super::motion_body::{self, Timing};
 use super::params::{MAX_PAGE, MotionId, Page, RobotOf, RobotPath};
-use super::responses::{AnyProblem, BodyProblem, CrossSite, InvalidJson, LinkProblem, NotFound};
-use crate::commands::{CommandFailure, no_base};
-use crate::config::{MAX_DEADLINE_MS, RobotPlan};
+use super::prefer::Prefer;
+use super::responses::{AnyProblem, BodyProblem, CrossSite, LinkProblem, NotFound};
 use crate::extract::JsonBody;
-use crate::problem::Problem;
+use crate::journal::Trouble;
+use crate::motions::{Asked, Entry, Record, RequestKey, Start, Started, problem_of};
+use crate::problem::{Problem, REPLAYED};
 use crate::request_id::RequestId;
-use crate::state::Robot;
-use crate::target::{Paths, Prepared, Refusal};
-use crate::wire_bodies::point_of;
+use crate::state::{App, Robot};
 
-const PATHS: Paths = Paths {
-    speed: "speed_mm_s",
-    point: [
-        "target.pose.x_mm",
-        "target.pose.y_mm",
-        "target.pose.z_mm",
-        "target.pose.w_deg",
-        "target.pose.p_deg",
-        "target.pose.r_deg",
-    ],
-    joints: "target.joints",
-};
-/// The longest reason, in characters.
-const MAX_REASON: usize = 200;
+/// What an answer may take longer than the motion's deadline: the link tells a little after it.
+const LATE: Duration = Duration::from_secs(5);
+const PREFERENCE_APPLIED: HeaderName = HeaderName::from_static("preference-applied");
 
 /// Moves the robot.
 ///
 /// The pose is rounded to thousandths of a millimeter and of a degree, as the controller's wire carries it, and
-/// checked in the configuration the controller's program keeps: reach, joint limits, singularities. Then it is sent,
-/// once. At tier 0 the answer `accepted` is the last thing the server can know of a motion.
+/// checked in the configuration the controller's program keeps: reach, joint limits, singularities. Its intent is
+/// written to the journal, then it is sent, once. At tier 0 the answer `accepted` is the last thing the server can
+/// know of a motion, and the request is answered when the controller has answered; `Prefer: wait=N` shortens that.
+///
+/// `Idempotency-Key` is the caller's own word for the motion: the same request again with the same key, within seven
+/// days, is answered with what became of that motion, and nothing is sent.
 #[utoipa::path(
     post, path = "/api/v1/cells/{cell}/robots/{robot}/motions", tag = "motions",
-    params(RobotPath),
+    params(
+        RobotPath,
+        ("idempotency-key" = String, Header, max_length = 128, description = "The caller's own word for this motion, e.g. a UUID."),
+        ("prefer" = Option<String>, Header, description = "`wait=N`: answer when the motion is at its end, or after N seconds (60 at most); `respond-async`: at once."),
+    ),
     request_body = MotionBody,
     responses(
-        (status = 202, description = "The controller took the motion.", body = Motion,
+        (status = 200, description = "The motion is done: seen at its target, standing still.", body = Motion,
             headers(("location" = String, description = "Where the motion is."))),
-        (status = 409, description = "`controller-rejected`: the controller refused it. `deadline-passed`: it waited too long and was not sent.",
+        (status = 202, description = "The motion is kept and on its way; at tier 0: the controller took it.", body = Motion,
+            headers(
+                ("location" = String, description = "Where the motion is."),
+                ("preference-applied" = String, description = "`wait=N`, where the caller asked for it."),
+                ("idempotency-replayed" = bool, description = "Present and `true` where the motion was asked for before."),
+            )),
+        (status = 400, description = "`idempotency-missing`: the header is missing. `invalid-json`.", body = api::Problem, content_type = "application/problem+json"),
+        (status = 409, description = "`controller-rejected`: the controller refused it. `deadline-passed`: it waited too long and was not sent. `in-doubt`: an earlier motion has to be decided first. `idempotency-in-flight`: the first request with this key is still being answered. `plan-expired`, `stale-state`, `pose-stale`: what it was made from does not hold any more. `motion-canceled`, `motion-interrupted`, `server-restarted`: what became of it. `not-supported`: this controller cannot do it.",
             body = api::Problem, content_type = "application/problem+json"),
-        (status = 422, description = "`validation`: the body does not fit. `out-of-workspace`, `joint-limit-exceeded`, `no-solution-in-configuration`, `singularity`: the arm cannot do it. Nothing was sent.",
+        (status = 422, description = "`validation`: the body does not fit. `out-of-workspace`, `joint-limit-exceeded`, `no-solution-in-configuration`, `singularity`: the arm cannot do it. `idempotency-mismatch`: the key was used for something else. Nothing was sent.",
             body = api::Problem, content_type = "application/problem+json"),
-        CrossSite, InvalidJson, NotFound, BodyProblem, LinkProblem, AnyProblem,
+        (status = 507, description = "`journal-full`: the intent could not be kept, so nothing was sent.", body = api::Problem, content_type = "application/problem+json"),
+        CrossSite, NotFound, BodyProblem, LinkProblem, AnyProblem,
     ),
 )]
 pub(super) async fn create_motion(
+    State(app): State<Arc<App>>,
     RobotOf(robot): RobotOf,
+    Caller(principal): Caller,
+    prefer: Prefer,
     request_id: RequestId,
+    headers: HeaderMap,
     JsonBody(body): JsonBody<MotionBody>,
-) -> Result<(StatusCode, [(HeaderName, String); 1], Json<Motion>), Problem> {
+) -> Result<MotionAnswer, Problem> {
     let plan = &robot.plan;
-    check(&body).map_err(|problem| problem.robot(&plan.id))?;
-    let prepared = prepare(plan, &body).map_err(|refusal| {
-        refusal.log(&plan.id, &request_id);
-        refused(plan, &refusal)
+    let of_robot = |problem: Problem| problem.robot(&plan.id);
+    let key = RequestKey::of(&headers).map_err(of_robot)?;
+    let path = format!("POST {}", path_of(&robot, None));
+    // What is compared is what was understood, whatever the order of the keys and the blanks between them.
+    let understood = serde_json::to_vec(&body)
+        .map_err(|error| Problem::not_sent(ProblemCode::Internal, error.to_string()))?;
+    let claim = key.claim(&principal, &path, &understood)?;
+    let guard = app.keys.enter(&claim.key).map_err(of_robot)?;
+    if let Some(motion) = asked_before(&robot, &claim).await.map_err(of_robot)? {
+        return answer(&robot, motion, prefer, Patience::Answered, Replay::Before).await;
+    }
+    let timing = motion_body::check(&body, plan, robot.motions.now()).map_err(of_robot)?;
+    let prepared = motion_body::prepare(&robot, &body).map_err(|problem| {
+        tracing::info!(
+            robot.id = plan.id,
+            request_id = &*request_id,
+            reason = problem.detail(),
+            "the motion was refused and not sent"
+        );
+        problem.robot(&plan.id)
     })?;
-    let within = body
-        .deadline_ms
-        .map_or(plan.deadline, Duration::from_millis);
-    let accepted = robot
-        .carry_out(prepared, request_id, within, body.reason)
-        .await
-        .map_err(|failure| problem_of(&robot, failure))?;
-    let motion = robot.motions.get(accepted.motion).ok_or_else(|| {
-        Problem::new(ProblemCode::Internal, "the motion was forgotten at once")
-            .outcome(Outcome::Unknown)
-            .motion(Some(accepted.motion))
-    })?;
-    let location = format!(
-        "/api/v1/cells/{}/robots/{}/motions/{}",
-        plan.cell, plan.id, accepted.motion
-    );
-    Ok((
-        StatusCode::ACCEPTED,
-        [(header::LOCATION, location)],
-        Json(motion.body(plan)),
-    ))
+    no_doubt(&robot)?;
+    let Timing {
+        begin_by,
+        deadline,
+        not_after,
+    } = timing;
+    let start = Start {
+        prepared,
+        entry: Entry {
+            asked: Asked::of(&prepared),
+            request_id,
+            principal,
+            reason: body.reason,
+            not_after: Some(not_after),
+        },
+        claim: Some(claim),
+        begin_by,
+        deadline,
+        guard: Some(guard.clone()),
+    };
+    let answered = match robot.start(start).await? {
+        Started::New { motion, .. } => {
+            answer(
+                &robot,
+                motion,
+                prefer,
+                Patience::Until(deadline),
+                Replay::First,
+            )
+            .await
+        }
+        Started::Replayed(motion) => {
+            answer(&robot, motion, prefer, Patience::Answered, Replay::Before).await
+        }
+    };
+    drop(guard);
+    answered
 }
 
 /// Lists a robot's motions, newest first.
 ///
-/// The server keeps the last 1,000 of each robot in memory, and none across a restart.
+/// The server shows the last 1,000 of each robot, after a restart those that the journal has. An older one is found
+/// by its id.
 #[utoipa::path(
     get, path = "/api/v1/cells/{cell}/robots/{robot}/motions", tag = "motions",
     params(
@@ -106,7 +152,7 @@ pub(super) async fn create_motion(
 )]
 pub(super) async fn list_motions(RobotOf(robot): RobotOf, page: Page) -> Json<MotionList> {
     debug_assert!(page.limit <= MAX_PAGE);
-    let (records, more) = robot.motions.page(page.before, page.limit);
+    let (records, more) = robot.motions.book.page(page.before, page.limit);
     let next_cursor = records
         .last()
         .filter(|_| more)
@@ -127,94 +173,167 @@ pub(super) async fn list_motions(RobotOf(robot): RobotOf, page: Page) -> Json<Mo
         RobotPath,
         ("id" = uuid::Uuid, Path, description = "The motion's id."),
     ),
-    responses((status = 200, description = "The motion.", body = Motion), NotFound, AnyProblem),
+    responses(
+        (status = 200, description = "The motion.", body = Motion),
+        (status = 503, description = "`journal-unavailable`: the motion is not among the last ones, and the journal cannot be read.",
+            body = api::Problem, content_type = "application/problem+json"),
+        NotFound, AnyProblem,
+    ),
 )]
 pub(super) async fn get_motion(
     RobotOf(robot): RobotOf,
     MotionId(id): MotionId,
 ) -> Result<Json<Motion>, Problem> {
-    let record = robot.motions.get(id).ok_or_else(|| {
-        Problem::not_found(format!(
-            "robot `{}` has no motion {id}, or no longer",
-            robot.plan.id
-        ))
-    })?;
-    Ok(Json(record.body(&robot.plan)))
+    Ok(Json(find(&robot, id).await?.body(&robot.plan)))
 }
 
-/// Checks what needs no arm: which fields go together, and their ranges.
-fn check(body: &MotionBody) -> Result<(), Problem> {
-    let mut violations = Vec::new();
-    match (body.motion_type, body.target.is_some()) {
-        (MotionType::Joint, false) => violations.push(violation(
-            "target",
-            "missing; a JOINT motion needs `pose` or `joints`",
+/// A motion of the robot.
+pub(super) async fn find(robot: &Robot, id: Uuid) -> Result<Record, Problem> {
+    let found = robot
+        .motions
+        .find(id)
+        .await
+        .map_err(|error| Problem::new(ProblemCode::JournalUnavailable, error.to_string()))?;
+    found.ok_or_else(|| Problem::not_found(format!("robot `{}` has no motion {id}", robot.plan.id)))
+}
+
+/// The motion a key stands for, if it was used before.
+async fn asked_before(robot: &Robot, claim: &journal::Claim) -> Result<Option<Uuid>, Problem> {
+    let motions = &robot.motions;
+    match motions.journal().lookup(claim, motions.now()).await {
+        Ok(None) => Ok(None),
+        Ok(Some(replay)) => match replay.first.record.motion() {
+            Some(motion) => Ok(Some(motion.0)),
+            None => Err(Trouble::Refused(Refusal::KeyReused {
+                first: replay.first.position,
+            })
+            .problem()),
+        },
+        // Its request is no longer being answered, so what is known of it is the answer.
+        Err(LookupError::Refused(Refusal::KeyInFlight { motion })) => Ok(Some(motion.0)),
+        Err(LookupError::Refused(refusal)) => Err(Trouble::Refused(refusal).problem()),
+        Err(LookupError::Read(error)) => Err(Problem::not_sent(
+            ProblemCode::JournalUnavailable,
+            error.to_string(),
         )),
-        (MotionType::Home, true) => {
-            violations.push(violation("target", "a HOME motion has no target"));
-        }
-        (MotionType::Joint, true) | (MotionType::Home, false) => {}
     }
-    if let Some(deadline) = body.deadline_ms
-        && !(1..=MAX_DEADLINE_MS).contains(&deadline)
-    {
-        #[expect(clippy::cast_precision_loss, reason = "only shown")]
-        violations.push(Violation {
-            value: Some(deadline as f64),
-            min: Some(1.0),
-            max: Some(MAX_DEADLINE_MS as f64),
-            ..violation(
-                "deadline_ms",
-                &format!("{deadline} ms is not from 1 to {MAX_DEADLINE_MS} ms"),
-            )
-        });
-    }
-    if let Some(reason) = &body.reason {
-        let length = reason.chars().count();
-        if length > MAX_REASON {
-            violations.push(violation(
-                "reason",
-                &format!("{length} characters; {MAX_REASON} at most"),
-            ));
-        }
-    }
-    let Some(first) = violations.first() else {
+}
+
+/// Refuses a motion while an earlier one is in doubt: where the arm is, and whether it is about to move, is not known.
+pub(super) fn no_doubt(robot: &Robot) -> Result<(), Problem> {
+    let Some(doubt) = robot.motions.book.first_doubt() else {
         return Ok(());
     };
-    let detail = format!("{}: {}", first.item, first.message);
-    Err(Problem::not_sent(ProblemCode::Validation, detail).violations(violations))
-}
-
-fn violation(item: &str, message: &str) -> Violation {
-    Violation {
-        item: item.to_owned(),
-        message: message.to_owned(),
-        ..Violation::default()
-    }
-}
-
-fn prepare(plan: &RobotPlan, body: &MotionBody) -> Result<Prepared, Refusal> {
-    let speed = MmPerSec(body.speed_mm_s);
-    match &body.target {
-        Some(TargetBody::Pose(pose)) => plan.prepare_point(&point_of(pose), speed),
-        Some(TargetBody::Joints(joints)) => plan.prepare_joints((*joints).into(), speed),
-        None => plan.prepare_home(speed),
-    }
-}
-
-fn refused(plan: &RobotPlan, refusal: &Refusal) -> Problem {
-    Problem::not_sent(refusal.code(), refusal.to_string())
+    let plan = &robot.plan;
+    let detail = format!("what became of motion {doubt} is not known, and nobody has decided");
+    Err(Problem::not_sent(ProblemCode::InDoubt, detail)
         .robot(&plan.id)
-        .violations(refusal.violations(&PATHS))
+        .motion(Some(doubt))
+        .hint(&format!(
+            "Look at the robot, then answer at /api/v1/cells/{}/interventions/{doubt}/respond.",
+            plan.cell
+        )))
 }
 
-fn problem_of(robot: &Robot, failure: CommandFailure) -> Problem {
-    match failure {
-        CommandFailure::Rejected { motion, reply } => robot.rejected(motion, reply),
-        CommandFailure::Refused(refusal) => refused(&robot.plan, &refusal),
-        CommandFailure::NoBase(base) => {
-            Problem::not_sent(ProblemCode::NoAcceptedTarget, no_base(base)).robot(&robot.plan.id)
+/// For how long an answer is waited for where the caller does not say.
+#[derive(Clone, Copy, Debug)]
+enum Patience {
+    /// The controller answers by then.
+    Until(Instant),
+    /// It was answered before.
+    Answered,
+}
+
+/// Whether the motion was asked for before.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+enum Replay {
+    First,
+    Before,
+}
+
+/// Waits for a motion as long as the caller wants, and answers with what is known then.
+async fn answer(
+    robot: &Arc<Robot>,
+    motion: Uuid,
+    prefer: Prefer,
+    patience: Patience,
+    replay: Replay,
+) -> Result<MotionAnswer, Problem> {
+    let limit = match (prefer.wait(), patience) {
+        (Some(wait), _) => Instant::now() + wait,
+        (None, Patience::Until(deadline)) => deadline + LATE,
+        (None, Patience::Answered) => Instant::now(),
+    };
+    let known = robot
+        .motions
+        .book
+        .wait(motion, limit, |progress| progress.end().is_some())
+        .await;
+    let record = match known {
+        Some(record) => record,
+        // Asked for so long ago that only the journal knows it.
+        None => find(robot, motion).await.map_err(|problem| {
+            problem
+                .outcome(Outcome::Unknown)
+                .motion(Some(motion))
+                .robot(&robot.plan.id)
+        })?,
+    };
+    if let Some(problem) = problem_of(&robot.plan, &record) {
+        return Err(match replay {
+            Replay::First => problem,
+            Replay::Before => problem.replayed(),
+        });
+    }
+    let body = record.body(&robot.plan);
+    Ok(MotionAnswer {
+        status: match body.state {
+            api::MotionState::Succeeded => StatusCode::OK,
+            _ => StatusCode::ACCEPTED,
+        },
+        location: path_of(robot, Some(motion)),
+        applied: prefer.applied(),
+        replay,
+        body,
+    })
+}
+
+fn path_of(robot: &Robot, motion: Option<Uuid>) -> String {
+    let plan = &robot.plan;
+    let all = format!("/api/v1/cells/{}/robots/{}/motions", plan.cell, plan.id);
+    match motion {
+        Some(motion) => format!("{all}/{motion}"),
+        None => all,
+    }
+}
+
+/// A motion as the answer to the request for it.
+#[derive(Debug)]
+pub(super) struct MotionAnswer {
+    status: StatusCode,
+    location: String,
+    applied: Option<String>,
+    replay: Replay,
+    body: Motion,
+}
+
+impl IntoResponse for MotionAnswer {
+    fn into_response(self) -> Response {
+        let mut response = (self.status, Json(self.body)).into_response();
+        let headers = response.headers_mut();
+        // Ids of cells and robots are visible ASCII.
+        for (name, text) in [
+            (header::LOCATION, Some(self.location)),
+            (PREFERENCE_APPLIED, self.applied),
+            (
+                REPLAYED,
+                (self.replay == Replay::Before).then(|| "true".to_owned()),
+            ),
+        ] {
+            if let Some(value) = text.and_then(|text| HeaderValue::try_from(text).ok()) {
+                let _none = headers.insert(name, value);
+            }
         }
-        CommandFailure::Problem(problem) => problem,
+        response
     }
 }

@@ -118,7 +118,7 @@ async fn a_key_that_is_missing_unknown_double_or_of_another_type_is_named() {
             good.replace(r#""y_mm": 0"#, r#""x_mm": 0, "y_mm": 0"#),
             "target.pose.x_mm",
         ),
-        (good.replace("JOINT", "LINEAR"), "type"),
+        (good.replace("JOINT", "SPIRAL"), "type"),
         (good.replace("speed_mm_s", "speed"), "speed"),
         (good.replace(r#""type": "JOINT", "#, ""), "type"),
         ("null".to_owned(), "body"),
@@ -209,7 +209,10 @@ async fn another_content_type_is_refused() {
             let _problem = reply.problem(415, "unsupported-media-type", "NOT_SENT");
         }
     }
-    let headers = [("content-type", "Application/JSON; charset=utf-8")];
+    let headers = [
+        ("content-type", "Application/JSON; charset=utf-8"),
+        ("idempotency-key", "k1"),
+    ];
     let reply = server
         .request("POST", MOTIONS, &headers, &motion("985", "200"))
         .await;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use server::config::{CellSection, ServerSection};
-use server::{Listener, Plan, Seams, SystemClock, TcpConnector};
+use server::{Listener, Plan, Seams, SharedJournal, SystemClock, TcpConnector};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpSocket, TcpStream};
 use tokio::time::timeout;
@@ -125,7 +125,7 @@ async fn bodies_that_never_end_keep_nobody_out() {
     let server = with(patient(8), &robot).await;
     let mut attack = Vec::new();
     let head = format!(
-        "POST {MOTIONS} HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\ncontent-length: 500\r\n\r\n{{"
+        "POST {MOTIONS} HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\nidempotency-key: k1\r\ncontent-length: 500\r\n\r\n{{"
     );
     for number in 0..32 {
         let from = if number % 2 == 0 { 1 } else { 100 + number };
@@ -189,7 +189,7 @@ async fn who_waits_long_for_a_robot_gives_way_and_the_command_stays() {
     let server = with(patient(1), &robot).await;
     let mut commander = TcpStream::connect(server.address).await.unwrap();
     let request = format!(
-        "POST {MOTIONS} HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\ncontent-length: {}\r\n\r\n{MOTION}",
+        "POST {MOTIONS} HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\nidempotency-key: k1\r\ncontent-length: {}\r\n\r\n{MOTION}",
         MOTION.len()
     );
     commander.write_all(request.as_bytes()).await.unwrap();
@@ -263,6 +263,7 @@ async fn a_server_that_cannot_accept_for_a_while_goes_on_afterwards() {
     let seams = Seams {
         connector: TcpConnector::default(),
         clock: Arc::new(SystemClock),
+        journal: SharedJournal::volatile(),
     };
     let task = tokio::spawn(server::run(listener, plan, seams, stop.clone()));
     let server = TestServer {

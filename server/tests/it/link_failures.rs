@@ -185,6 +185,7 @@ async fn the_request_id_goes_with_the_connection() {
     .await;
     let headers = [
         ("content-type", "application/json"),
+        ("idempotency-key", "k1"),
         ("x-request-id", "job-17.a_b"),
     ];
     let reply = server.request("POST", MOTIONS, &headers, MOTION).await;
@@ -194,6 +195,7 @@ async fn the_request_id_goes_with_the_connection() {
 
     let forged = [
         ("content-type", "application/json"),
+        ("idempotency-key", "k2"),
         ("x-request-id", "a b"),
     ];
     let reply = server.request("POST", MOTIONS, &forged, MOTION).await;

@@ -87,7 +87,8 @@ async fn a_command_whose_deadline_passes_in_the_queue_is_not_sent() {
     let problem = reply.problem(409, "deadline-passed", "NOT_SENT");
     let id = problem["motion"].as_str().unwrap();
     let motion = server.get(&format!("{MOTIONS}/{id}")).await.json();
-    assert_eq!(motion["state"], "not_executed");
+    assert_eq!(motion["state"], "expired");
+    assert_eq!(motion["outcome"], "NOT_SENT");
     assert_eq!(first.await.unwrap().status, 504);
     assert_eq!(robot.commands().len(), 1);
 }
@@ -99,7 +100,7 @@ async fn a_caller_that_goes_away_does_not_take_its_command_with_it() {
     let mut stream = TcpStream::connect(server.address).await.unwrap();
     let length = MOTION.len();
     let request = format!(
-        "POST {MOTIONS} HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\ncontent-length: {length}\r\n\r\n{MOTION}"
+        "POST {MOTIONS} HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\nidempotency-key: gone\r\ncontent-length: {length}\r\n\r\n{MOTION}"
     );
     stream.write_all(request.as_bytes()).await.unwrap();
     wait_until("the command is with the robot", || {

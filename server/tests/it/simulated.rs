@@ -12,7 +12,7 @@ use std::time::Duration;
 use jiff::Timestamp;
 use serde_json::Value;
 use server::config::{CellSection, RobotSection, ServerSection};
-use server::{Connector, ControllerAddress, Listener, Plan, Seams, WallClock};
+use server::{Connector, ControllerAddress, Listener, Plan, Seams, SharedJournal, WallClock};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::time::sleep;
 use tokio_util::sync::CancellationToken;
@@ -103,6 +103,7 @@ async fn serve() -> turmoil::Result {
     let seams = Seams {
         connector: SimulatedNetwork,
         clock: Arc::new(SimulatedClock),
+        journal: SharedJournal::volatile(),
     };
     let listener = SimulatedListener(TcpListener::bind("0.0.0.0:8080").await?);
     server::run(listener, plan, seams, CancellationToken::new()).await?;
@@ -174,18 +175,42 @@ async fn operate(told: Told, seed: u64) -> turmoil::Result {
             }
         };
         let ((), answer) = tokio::join!(fault, post(speed));
-        told.lock().unwrap().push((speed, answer?));
+        let (answer, motion) = answer?;
+        if answer.outcome == "UNKNOWN" {
+            decide(&motion, speed).await?;
+        }
+        told.lock().unwrap().push((speed, answer));
     }
     // What is still on its way arrives: a command that was called not sent must not.
     sleep(Duration::from_secs(1)).await;
     Ok(())
 }
 
-async fn post(speed: u64) -> io::Result<Answer> {
+/// The answer, and the motion it is about.
+async fn post(speed: u64) -> io::Result<(Answer, String)> {
     let body = MOTION.replace("200", &speed.to_string());
+    let (status, body) = send(MOTIONS, &format!("motion-{speed}"), &body).await?;
+    let text = |name: &str| body[name].as_str().unwrap_or_default().to_owned();
+    let answer = Answer {
+        status,
+        outcome: text("outcome"),
+    };
+    Ok((answer, text("motion")))
+}
+
+/// While a motion is in doubt there is no other: a person looks at the arm and answers.
+async fn decide(motion: &str, speed: u64) -> io::Result<()> {
+    let path = format!("/api/v1/cells/c1/interventions/{motion}/respond");
+    let body = r#"{"answer": "abort", "reason": "looked at it"}"#;
+    let (status, body) = send(&path, &format!("answer-{speed}"), body).await?;
+    assert_eq!(status, 200, "{body}");
+    Ok(())
+}
+
+async fn send(path: &str, key: &str, body: &str) -> io::Result<(u16, Value)> {
     let mut stream = TcpStream::connect("server:8080").await?;
     let request = format!(
-        "POST {MOTIONS} HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\ncontent-type: application/json\r\ncontent-length: {}\r\n\r\n{body}",
+        "POST {path} HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\ncontent-type: application/json\r\nidempotency-key: {key}\r\ncontent-length: {}\r\n\r\n{body}",
         body.len()
     );
     stream.write_all(request.as_bytes()).await?;
@@ -194,10 +219,7 @@ async fn post(speed: u64) -> io::Result<Answer> {
     let answer = String::from_utf8(answer).unwrap();
     let (head, body) = answer.split_once("\r\n\r\n").unwrap();
     let body: Value = serde_json::from_str(body).unwrap();
-    Ok(Answer {
-        status: head[9..12].parse().unwrap(),
-        outcome: body["outcome"].as_str().unwrap_or_default().to_owned(),
-    })
+    Ok((head[9..12].parse().unwrap(), body))
 }
 
 fn run(seed: u64) -> Vec<(u64, Answer)> {

@@ -6,10 +6,16 @@ use anyhow::{Context as _, Result, bail, ensure};
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio::net::TcpStream;
 
+/// Stands in a request for the number that makes its key a new one.
+const NUMBER: &str = "############";
+
 /// A connection kept open, and the one request it sends again and again.
 pub(crate) struct Connection {
     stream: TcpStream,
     request: Vec<u8>,
+    /// Where in the request the number of its idempotency key stands.
+    number_at: Option<usize>,
+    sent: u64,
     buffer: Vec<u8>,
 }
 
@@ -21,13 +27,16 @@ impl Connection {
         let request = match body {
             Some(body) => format!(
                 "POST {path} HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n\
-                 Content-Length: {}\r\n\r\n{body}",
+                 Idempotency-Key: {}-{NUMBER}\r\nContent-Length: {}\r\n\r\n{body}",
+                stream.local_addr()?.port(),
                 body.len()
             ),
             None => format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n"),
         };
         Ok(Self {
             stream,
+            number_at: request.find(NUMBER),
+            sent: 0,
             request: request.into_bytes(),
             buffer: Vec::with_capacity(4096),
         })
@@ -35,6 +44,14 @@ impl Connection {
 
     /// Sends the request and reads the whole answer; the answer's status.
     pub(crate) async fn exchange(&mut self) -> Result<u16> {
+        self.sent += 1;
+        if let Some(at) = self.number_at {
+            // The same motion with the same key again would be answered and not be sent.
+            let number = format!("{:012}", self.sent);
+            if let Some(place) = self.request.get_mut(at..at + NUMBER.len()) {
+                place.copy_from_slice(number.as_bytes());
+            }
+        }
         self.stream.write_all(&self.request).await?;
         self.buffer.clear();
         loop {

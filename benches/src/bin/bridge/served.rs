@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use server::config::{CellSection, RobotSection, ServerSection};
-use server::{Plan, Seams, SystemClock, TcpConnector};
+use server::{Plan, Seams, SharedJournal, SystemClock, TcpConnector};
 use tokio::net::TcpListener;
 use tokio_util::sync::CancellationToken;
 
@@ -42,6 +42,7 @@ pub(crate) async fn run(first_port: u16, robots: usize) -> Result<()> {
     let seams = Seams {
         connector: TcpConnector::default(),
         clock: Arc::new(SystemClock),
+        journal: SharedJournal::volatile(),
     };
     let served = tokio::spawn(server::run(listener, plan, seams, stop.clone()));
     processes::announce_and_wait(port).await?;

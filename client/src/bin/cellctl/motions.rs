@@ -68,14 +68,14 @@ fn table(list: &MotionList) -> String {
     if list.motions.is_empty() {
         return "No motion yet.".to_owned();
     }
-    let mut table = Table::new(&["motion", "created", "type", "state", ">mm/s", "target"]);
+    let mut table = Table::new(&["motion", "created", "type", "state", ">speed", "target"]);
     for motion in &list.motions {
         table.row([
             motion.id.to_string(),
             format!("{:.0}", motion.created_at),
             word(motion.motion_type),
             word(motion.state),
-            motion.speed_mm_s.to_string(),
+            text::speed(motion),
             text::pose(&motion.target),
         ]);
     }
@@ -94,10 +94,11 @@ fn sentences(motion: &Motion) -> String {
         ("completion", word(motion.completion)),
         ("target", text::pose(&motion.target)),
         ("joints", text::joints(motion.expected_joints)),
-        ("speed", format!("{} mm/s", motion.speed_mm_s)),
+        ("speed", text::speed(motion)),
         ("created", motion.created_at.to_string()),
     ];
     let optional = [
+        ("not after", motion.not_after.map(|at| at.to_string())),
         ("ended", motion.ended_at.map(|at| at.to_string())),
         ("code", motion.code.map(word)),
         ("outcome", motion.outcome.map(word)),

@@ -1,7 +1,11 @@
 //! `cellctl move`: to a pose, or to joint values.
 
-use api::{Motion, MotionBody, MotionState, MotionType, PoseBody, TargetBody};
+use std::time::Duration;
+
+use api::{Completion, Motion, MotionBody, MotionState, MotionType, PoseBody, TargetBody};
+use clap::builder::NonEmptyStringValueParser;
 use clap::{ArgGroup, Args};
+use client::Ask;
 
 use crate::context::Context;
 use crate::failure::Failure;
@@ -45,6 +49,16 @@ pub(crate) struct MotionArgs {
     /// Programmed speed in mm/s, a whole number from 1 to 1999.
     #[arg(long, value_name = "MM_S", default_value_t = 200.0, allow_hyphen_values = true, value_parser = finite)]
     speed: f64,
+    /// Speed of the joints in percent of their fastest instead, for a controller that takes percent.
+    #[arg(long, value_name = "PERCENT", conflicts_with = "speed", value_parser = clap::value_parser!(u8).range(1..=100))]
+    percent: Option<u8>,
+    /// Wait for the end of the motion, at most this many seconds (60 at most). The server's own measure where absent.
+    #[arg(long, value_name = "S", value_parser = clap::value_parser!(u64).range(0..=60))]
+    wait: Option<u64>,
+    /// The key that names this motion: the same motion with the same key again is not sent again. A new one where
+    /// absent.
+    #[arg(long, value_name = "KEY", value_parser = NonEmptyStringValueParser::new())]
+    key: Option<String>,
     /// Give up if the controller has not answered after this many milliseconds.
     #[arg(long, value_name = "MS")]
     deadline_ms: Option<u64>,
@@ -142,22 +156,36 @@ pub(crate) async fn send(
     context: &Context,
 ) -> Result<Report, Failure> {
     let robot = context.robot().await?;
-    let motion = robot
-        .create_motion(&MotionBody {
-            motion_type,
-            target,
-            speed_mm_s: args.speed,
-            deadline_ms: args.deadline_ms,
-            reason: args.reason,
-        })
-        .await?;
+    let body = MotionBody {
+        target,
+        speed_mm_s: args.percent.is_none().then_some(args.speed),
+        speed_percent: args.percent.map(f64::from),
+        deadline_ms: args.deadline_ms,
+        reason: args.reason,
+        ..MotionBody::new(motion_type)
+    };
+    let ask = Ask {
+        key: args.key,
+        wait: args.wait.map(Duration::from_secs),
+    };
+    let motion = robot.ask_for_motion(&body, &ask).await?;
     Ok(context.report(exit_of(motion.state), &motion, sentence))
 }
 
 fn exit_of(state: MotionState) -> Exit {
     match state {
-        MotionState::Queued | MotionState::Dispatched | MotionState::Accepted => Exit::Done,
-        MotionState::Rejected | MotionState::NotExecuted => Exit::Refused,
+        MotionState::Queued
+        | MotionState::Dispatched
+        | MotionState::Accepted
+        | MotionState::Executing
+        | MotionState::Paused
+        | MotionState::Settling
+        | MotionState::Succeeded => Exit::Done,
+        MotionState::Rejected
+        | MotionState::NotExecuted
+        | MotionState::Expired
+        | MotionState::Canceled
+        | MotionState::Failed => Exit::Refused,
         MotionState::InDoubt => Exit::Link,
     }
 }
@@ -166,9 +194,19 @@ fn sentence(motion: &Motion) -> String {
     let what = match motion.state {
         MotionState::Queued => "The motion waits for the link",
         MotionState::Dispatched => "The motion is on its way to the controller",
-        MotionState::Accepted => {
-            "The controller took the motion. Its end is not reported by this controller"
-        }
+        MotionState::Accepted => match motion.completion {
+            Completion::NotObservable => {
+                "The controller took the motion. Its end is not reported by this controller"
+            }
+            Completion::Observable => "The controller took the motion",
+        },
+        MotionState::Executing => "The arm moves",
+        MotionState::Paused => "The motion is held",
+        MotionState::Settling => "The arm is there, and is being checked to stand still",
+        MotionState::Succeeded => "The arm is at the target, standing still",
+        MotionState::Failed => "The motion began and did not get to its target",
+        MotionState::Canceled => "The motion was canceled",
+        MotionState::Expired => "The motion could not begin in time and was not sent",
         MotionState::Rejected => "The controller refused the motion: not executed",
         MotionState::NotExecuted => "The motion was not sent",
         MotionState::InDoubt => {
@@ -180,7 +218,8 @@ fn sentence(motion: &Motion) -> String {
         ("robot", format!("{} in {}", motion.robot, motion.cell)),
         ("target", text::pose(&motion.target)),
         ("joints", text::joints(motion.expected_joints)),
-        ("speed", format!("{} mm/s", motion.speed_mm_s)),
+        ("speed", text::speed(motion)),
+        ("state", text::word(motion.state)),
         ("motion", motion.id.to_string()),
     ];
     format!("{what}.\n{}", text::facts(&facts))

@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Write};
 
-use api::{JointMargin, JointsBody, PoseBody};
+use api::{JointMargin, JointsBody, Motion, PoseBody};
 use serde::Serialize;
 
 /// A number to the thousandth, which is what goes over the wire. Zero has no sign.
@@ -32,6 +32,15 @@ pub(crate) fn pose(pose: &PoseBody) -> String {
 pub(crate) fn joints(joints: JointsBody) -> String {
     let [j1, j2, j3, j4, j5, j6] = <[f64; 6]>::from(joints).map(thousandths);
     format!("J1 {j1}  J2 {j2}  J3 {j3}  J4 {j4}  J5 {j5}  J6 {j6} deg")
+}
+
+/// A motion's speed, in the unit it was given in.
+pub(crate) fn speed(motion: &Motion) -> String {
+    match (motion.speed_mm_s, motion.speed_percent) {
+        (Some(speed), _) => format!("{speed} mm/s"),
+        (None, Some(percent)) => format!("{percent} %"),
+        (None, None) => String::new(),
+    }
 }
 
 /// An enum of the API by its name in JSON.

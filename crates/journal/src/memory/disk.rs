@@ -1,6 +1,6 @@
 //! The disk under the in-memory journal, and what may happen to it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::io;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -34,7 +34,10 @@ pub enum Fault {
 
 #[derive(Debug, Default)]
 pub(super) struct State {
-    rows: Vec<Row>,
+    rows: VecDeque<Row>,
+    /// The last record that was forgotten, and how many are kept before some are; none for all.
+    forgotten: Head,
+    keep: Option<usize>,
     durable: Index,
     /// The durable records and those that wait for their sync.
     ahead: Index,
@@ -75,6 +78,16 @@ impl MemoryDisk {
         Self::default()
     }
 
+    /// An empty disk that forgets its oldest records: it keeps the newest `keep`, and at times up to twice as many.
+    ///
+    /// What a motion or job that has not ended refers to may be gone from it; that it has not ended is remembered.
+    #[must_use]
+    pub fn forgetful(keep: usize) -> Self {
+        let disk = Self::default();
+        disk.lock().keep = Some(keep.max(1));
+        disk
+    }
+
     /// Lets something happen at a write: 1 is the first one of this disk. An opening writes one record.
     pub fn fail_write(&self, nth: u64, fault: Fault) {
         let _before = self.lock().faults.insert(nth, fault);
@@ -104,7 +117,7 @@ impl MemoryDisk {
     /// The durable records.
     #[must_use]
     pub fn rows(&self) -> Vec<Row> {
-        self.lock().rows.clone()
+        self.lock().rows.iter().cloned().collect()
     }
 
     pub(super) fn lock(&self) -> MutexGuard<'_, State> {
@@ -118,7 +131,7 @@ impl State {
         if self.open.is_some() {
             return Err(MemoryOpenError::InUse);
         }
-        let mut walker = Walker::new(Head::EMPTY);
+        let mut walker = Walker::new(self.forgotten);
         for row in &self.rows {
             let _stored = walker.step(row).map_err(MemoryOpenError::Broken)?;
         }
@@ -161,7 +174,7 @@ impl State {
     }
 
     pub(super) fn head(&self) -> Head {
-        self.rows.last().map_or(Head::EMPTY, |row| Head {
+        self.rows.back().map_or(self.forgotten, |row| Head {
             position: row.position,
             hash: row.hash,
         })
@@ -172,13 +185,31 @@ impl State {
         self.waiting.len()
     }
 
-    pub(super) fn rows(&self) -> &[Row] {
-        &self.rows
+    pub(super) fn rows_behind(&self, after: Position) -> impl Iterator<Item = &Row> {
+        let passed = after.0.saturating_sub(self.forgotten.position.0);
+        self.rows
+            .iter()
+            .skip(usize::try_from(passed).unwrap_or(usize::MAX))
     }
 
     pub(super) fn row(&self, position: Position) -> Option<&Row> {
-        let index = usize::try_from(position.0.checked_sub(1)?).ok()?;
+        let before = self.forgotten.position.next();
+        let index = usize::try_from(position.0.checked_sub(before.0)?).ok()?;
         self.rows.get(index)
+    }
+
+    fn forget_old(&mut self) {
+        let Some(keep) = self.keep else { return };
+        if self.rows.len() < keep.saturating_mul(2) {
+            return;
+        }
+        let surplus = self.rows.len() - keep;
+        if let Some(last) = self.rows.drain(..surplus).next_back() {
+            self.forgotten = head_of(&last);
+        }
+        let first = self.forgotten.position.next();
+        self.durable.forget_before(first);
+        self.ahead.forget_before(first);
     }
 
     pub(super) fn durable(&self) -> &Index {
@@ -260,15 +291,22 @@ impl State {
         };
         if kept {
             self.ahead_head = receipt.head;
-            self.rows.push(row);
+            self.rows.push_back(row);
             self.durable
                 .replay(stored)
                 .expect("a record that was judged once is judged the same again");
+            self.forget_old();
         }
         match fault {
             None => Ok(Appended::New(receipt)),
-            Some(Fault::Refuse) => Err(self.fail("writing", Effect::None)),
-            Some(Fault::RefuseAndKeep) => Err(self.fail("syncing", Effect::Unknown)),
+            Some(Fault::Refuse) => {
+                let full = io::Error::new(io::ErrorKind::StorageFull, "an injected fault");
+                Err(self.fail("writing", Effect::None, full))
+            }
+            Some(Fault::RefuseAndKeep) => {
+                let fault = io::Error::other("an injected fault");
+                Err(self.fail("syncing", Effect::Unknown, fault))
+            }
             Some(Fault::PowerLossBefore | Fault::PowerLossAfter) => {
                 self.lose_power();
                 Err(AppendError::Closed {
@@ -278,8 +316,8 @@ impl State {
         }
     }
 
-    fn fail(&mut self, step: &'static str, effect: Effect) -> AppendError {
-        let source: Cause = Arc::new(io::Error::other("an injected fault"));
+    fn fail(&mut self, step: &'static str, effect: Effect, source: io::Error) -> AppendError {
+        let source: Cause = Arc::new(source);
         self.poison = Some(Arc::clone(&source));
         AppendError::Failed {
             step,

@@ -93,7 +93,7 @@ impl Journal for MemoryJournal {
     async fn page(&self, after: Position, limit: usize) -> Result<Vec<Stored>, ReadError> {
         check_limit(limit)?;
         self.with(|state| {
-            let rows = state.rows().iter().filter(|row| row.position > after);
+            let rows = state.rows_behind(after);
             rows.take(limit)
                 .map(|row| state.read(row.position))
                 .collect()
@@ -163,6 +163,41 @@ impl Journal for MemoryJournal {
             found.sort_by_key(|entry| entry.created);
             found.truncate(limit);
             Ok(found)
+        })
+    }
+
+    async fn latest_motions(
+        &self,
+        before: Position,
+        limit: usize,
+    ) -> Result<Vec<MotionEntry>, ReadError> {
+        check_limit(limit)?;
+        self.with(|state| {
+            let motions = state.durable().motions.values();
+            let mut found: Vec<_> = motions
+                .filter(|entry| entry.intent < before)
+                .copied()
+                .collect();
+            found.sort_by_key(|entry| std::cmp::Reverse(entry.intent));
+            found.truncate(limit);
+            Ok(found)
+        })
+    }
+
+    async fn decided(
+        &self,
+        cell: &str,
+        after: Position,
+        limit: usize,
+    ) -> Result<Vec<Stored>, ReadError> {
+        check_limit(limit)?;
+        self.with(|state| {
+            let decided = state.durable().decided.range(after.next()..);
+            decided
+                .filter(|(_, of)| *of == cell)
+                .take(limit)
+                .map(|(position, _)| state.read(*position))
+                .collect()
         })
     }
 }

@@ -60,6 +60,7 @@ fn intent(journal: &MemoryJournal, n: u128, claim: Option<Claim>) -> Intent {
         claim,
         job: None,
         reason: None,
+        asked: None,
     }
 }
 

@@ -16,12 +16,12 @@ mod work;
 use serde::{Deserialize, Serialize};
 
 pub use motion::{
-    Accepted, Arrival, Completion, End, Hold, Intent, Mode, NoMotion, Observation, Outcome,
+    Accepted, Arrival, Asked, Completion, End, Hold, Intent, Mode, NoMotion, Observation, Outcome,
     Repeatability, Standstill, Target,
 };
 pub use work::{
-    Answer, Audit, AuditResult, Decision, JobCreated, JobEnd, JobEnded, JobStep, ServerStarted,
-    SignalReceived, StepState, Subject,
+    Answer, Audit, AuditResult, CellDecided, Decision, JobCreated, JobEnd, JobEnded, JobStep,
+    ServerStarted, SignalReceived, StepState, Subject,
 };
 
 use crate::{Claim, JobId, MotionId};
@@ -50,6 +50,8 @@ pub enum Record {
     Decision(Decision),
     /// Someone did, or tried to do, something else worth keeping.
     Audit(Audit),
+    /// The state machines of a cell decided something.
+    CellDecided(CellDecided),
 }
 
 impl Record {
@@ -67,6 +69,7 @@ impl Record {
             Self::SignalReceived(_) => "signal_received",
             Self::Decision(_) => "decision",
             Self::Audit(_) => "audit",
+            Self::CellDecided(_) => "cell_decided",
         }
     }
 
@@ -86,7 +89,8 @@ impl Record {
             | Self::JobStep(_)
             | Self::JobEnded(_)
             | Self::SignalReceived(_)
-            | Self::Audit(_) => None,
+            | Self::Audit(_)
+            | Self::CellDecided(_) => None,
         }
     }
 
@@ -106,6 +110,25 @@ impl Record {
             | Self::Accepted(_)
             | Self::Outcome(_)
             | Self::SignalReceived(_)
+            | Self::Audit(_)
+            | Self::CellDecided(_) => None,
+        }
+    }
+
+    /// The cell whose decisions the record is one of.
+    #[must_use]
+    pub fn decided_cell(&self) -> Option<&str> {
+        match self {
+            Self::CellDecided(decided) => Some(&decided.cell),
+            Self::ServerStarted(_)
+            | Self::Intent(_)
+            | Self::Accepted(_)
+            | Self::Outcome(_)
+            | Self::JobCreated(_)
+            | Self::JobStep(_)
+            | Self::JobEnded(_)
+            | Self::SignalReceived(_)
+            | Self::Decision(_)
             | Self::Audit(_) => None,
         }
     }
@@ -123,7 +146,8 @@ impl Record {
             | Self::JobEnded(_)
             | Self::SignalReceived(_)
             | Self::Decision(_)
-            | Self::Audit(_) => None,
+            | Self::Audit(_)
+            | Self::CellDecided(_) => None,
         }
     }
 }

@@ -35,6 +35,33 @@ pub struct Intent {
     /// The caller's words.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
+    /// What else was asked for, where the writer kept it: what a reader needs to show the motion again.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub asked: Option<Box<Asked>>,
+}
+
+/// What was asked for, beyond where to and how fast.
+#[derive(Clone, Debug, Eq, PartialEq, Serialize, Deserialize)]
+pub struct Asked {
+    /// The kind of motion in the words of the API, for example `JOINT`.
+    pub motion_type: String,
+    /// Who asked.
+    pub principal: String,
+    /// Where the joints are expected to end, J1 to J6 as on the pendant, in 0.001°.
+    pub joints_mdeg: [i32; 6],
+    /// Percent of the joints' own speeds, where the speed is given so; `speed_um_s` is zero then.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub speed_percent: Option<u8>,
+    /// When it was no longer to be begun.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub not_after: Option<Timestamp>,
+    /// Which start of the link within the epoch it was given to, for a controller that keeps numbers; the number it
+    /// has on the wire is `seq`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wire_epoch: Option<u32>,
+    /// The pose it was counted from, for a motion relative to the actual pose.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from: Option<Target>,
 }
 
 /// A pose as the wire has it: micrometers and millidegrees, in the controller's active frames.
@@ -126,6 +153,14 @@ pub enum End {
         /// What the controller said, if anything.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         text: Option<String>,
+        /// What was seen afterwards, if anything.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        seen: Option<Observation>,
+    },
+    /// It began and did not reach its target: known, not a doubt.
+    Interrupted {
+        /// The stable code of what ended it, for example `stopped`.
+        reason: String,
         /// What was seen afterwards, if anything.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         seen: Option<Observation>,

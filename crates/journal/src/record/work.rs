@@ -166,6 +166,15 @@ pub enum Answer {
     AbortJob,
 }
 
+/// The state machines of a cell decided something: facts that belong together, kept or not as one.
+#[derive(Clone, Debug, Eq, PartialEq, Serialize, Deserialize)]
+pub struct CellDecided {
+    /// The cell.
+    pub cell: String,
+    /// The facts, JSON as text. The journal does not look into it.
+    pub facts: String,
+}
+
 /// Someone did, or tried to do, something.
 #[derive(Clone, Debug, Eq, PartialEq, Serialize, Deserialize)]
 pub struct Audit {

@@ -205,4 +205,23 @@ impl Journal for SqliteJournal {
         check_limit(limit)?;
         reader::open_jobs(&mut *self.reader().await?, after, limit).await
     }
+
+    async fn latest_motions(
+        &self,
+        before: Position,
+        limit: usize,
+    ) -> Result<Vec<MotionEntry>, ReadError> {
+        check_limit(limit)?;
+        reader::latest_motions(&mut *self.reader().await?, before, limit).await
+    }
+
+    async fn decided(
+        &self,
+        cell: &str,
+        after: Position,
+        limit: usize,
+    ) -> Result<Vec<Stored>, ReadError> {
+        check_limit(limit)?;
+        reader::decided(&mut *self.reader().await?, cell, after, limit).await
+    }
 }

@@ -3,7 +3,7 @@
 use std::io::{self, BufRead, Write};
 use std::path::{Path, PathBuf};
 
-use sqlx::sqlite::SqliteConnection;
+use sqlx::sqlite::{SqliteConnection, SqliteRow};
 use sqlx::{ConnectOptions as _, Connection as _, Row as _};
 use thiserror::Error;
 
@@ -210,12 +210,37 @@ async fn compare(
             return differs("keys");
         }
     }
+    let mut decided = index.decided.iter();
+    for row in decided_rows(connection).await? {
+        let position = columns::position(&row, "position")?;
+        let cell: String = row.try_get("cell")?;
+        if decided.next() != Some((&position, &cell)) {
+            return differs("decided");
+        }
+    }
+    if decided.next().is_some() {
+        return differs("decided");
+    }
     match (motions.next(), jobs.next(), claims.next()) {
         (None, None, None) => Ok(Ok(())),
         (Some(_), _, _) => differs("motions"),
         (None, Some(_), _) => differs("jobs"),
         (None, None, Some(_)) => differs("keys"),
     }
+}
+
+/// The table of the decisions. A journal that no newer program has opened yet does not have it.
+async fn decided_rows(connection: &mut SqliteConnection) -> Result<Vec<SqliteRow>, sqlx::Error> {
+    let there =
+        sqlx::query("SELECT 1 FROM sqlite_schema WHERE type = 'table' AND name = 'decided'")
+            .fetch_optional(&mut *connection)
+            .await?;
+    if there.is_none() {
+        return Ok(Vec::new());
+    }
+    sqlx::query("SELECT * FROM decided ORDER BY position")
+        .fetch_all(connection)
+        .await
 }
 
 /// Writes the journal out as lines of JSON, as [`write_line`] makes them, checking the chain on the way.

@@ -213,7 +213,9 @@ async fn prepare(connection: &mut SqliteConnection, path: &Path) -> Result<(), O
         (0, 0, 0) => Store::create(connection)
             .await
             .map_err(failed("making the tables")),
-        (APPLICATION_ID, SCHEMA_VERSION, _) => Ok(()),
+        (APPLICATION_ID, SCHEMA_VERSION, _) => Store::add_tables(connection)
+            .await
+            .map_err(failed("adding a table")),
         (APPLICATION_ID, found, _) => Err(OpenError::Newer { found }),
         _ => Err(OpenError::NotAJournal {
             path: path.to_owned(),

@@ -170,6 +170,43 @@ pub(super) async fn open_jobs(
         .collect()
 }
 
+pub(super) async fn latest_motions(
+    connection: &mut SqliteConnection,
+    before: Position,
+    limit: usize,
+) -> Result<Vec<MotionEntry>, ReadError> {
+    let rows = sqlx::query("SELECT * FROM motions WHERE intent < ? ORDER BY intent DESC LIMIT ?")
+        .bind(to_sql(before).map_err(store)?)
+        .bind(sql_limit(limit))
+        .fetch_all(connection)
+        .await
+        .map_err(store)?;
+    rows.iter()
+        .map(|row| motion_entry(row).map_err(store))
+        .collect()
+}
+
+pub(super) async fn decided(
+    connection: &mut SqliteConnection,
+    cell: &str,
+    after: Position,
+    limit: usize,
+) -> Result<Vec<Stored>, ReadError> {
+    let rows = sqlx::query(
+        "SELECT records.* FROM decided JOIN records USING (position) \
+         WHERE decided.cell = ? AND decided.position > ? ORDER BY decided.position LIMIT ?",
+    )
+    .bind(cell.to_owned())
+    .bind(to_sql(after).map_err(store)?)
+    .bind(sql_limit(limit))
+    .fetch_all(connection)
+    .await
+    .map_err(store)?;
+    rows.iter()
+        .map(|row| checked(&record_row(row).map_err(store)?))
+        .collect()
+}
+
 /// What a row says, if it is what was hashed.
 fn checked(row: &Row) -> Result<Stored, ReadError> {
     let before = Head {

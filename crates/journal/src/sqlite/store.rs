@@ -15,6 +15,7 @@ use crate::{
 pub(super) const APPLICATION_ID: i64 = 0x526f_624a; // "RobJ"
 pub(super) const SCHEMA_VERSION: i64 = 1;
 const SCHEMA: &str = include_str!("schema.sql");
+const SCHEMA_ADDED: &str = include_str!("schema_added.sql");
 
 type Query = sqlx::query::Query<'static, Sqlite, SqliteArguments>;
 
@@ -39,6 +40,9 @@ impl Store {
         let _done = sqlx::raw_sql("PRAGMA application_id = 0x526f624a; PRAGMA user_version = 1")
             .execute(&mut *connection)
             .await?;
+        let _done = sqlx::raw_sql(SCHEMA_ADDED)
+            .execute(&mut *connection)
+            .await?;
         let keys = KeyRetention::default();
         let _done = sqlx::query("INSERT INTO head VALUES (1, 0, ?, 0, ?, ?)")
             .bind(Head::EMPTY.hash.as_bytes().to_vec())
@@ -47,6 +51,12 @@ impl Store {
             .execute(&mut *connection)
             .await?;
         let _done = sqlx::raw_sql("COMMIT").execute(connection).await?;
+        Ok(())
+    }
+
+    /// Makes the tables that were added after the first journals were written, where they are not there.
+    pub(super) async fn add_tables(connection: &mut SqliteConnection) -> Result<(), sqlx::Error> {
+        let _done = sqlx::raw_sql(SCHEMA_ADDED).execute(connection).await?;
         Ok(())
     }
 
@@ -164,6 +174,14 @@ impl Store {
                 .bind(to_sql(job.created)?)
                 .bind(to_sql(job.latest)?)
                 .bind(job.ended.map(to_sql).transpose()?),
+            )
+            .await?;
+        }
+        if let Some((position, cell)) = change.decided {
+            self.run(
+                sqlx::query("INSERT INTO decided VALUES (?, ?)")
+                    .bind(to_sql(position)?)
+                    .bind(cell),
             )
             .await?;
         }

@@ -93,6 +93,7 @@ pub(crate) fn intent(epoch: Epoch, n: u128, claim: Option<Claim>) -> Intent {
         claim,
         job: None,
         reason: None,
+        asked: None,
     }
 }
 

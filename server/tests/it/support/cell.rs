@@ -1,8 +1,9 @@
 use std::net::SocketAddr;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use server::config::{CellSection, RobotSection, ServerSection};
-use server::{Connector, Plan, Seams, ServeError, SystemClock, TcpConnector};
+use server::{Connector, Plan, Seams, ServeError, SharedJournal, SystemClock, TcpConnector};
 use tokio::net::TcpListener;
 use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
@@ -51,6 +52,7 @@ impl TestServer {
         let seams = Seams {
             connector,
             clock: Arc::new(SystemClock),
+            journal: SharedJournal::volatile(),
         };
         let task = tokio::spawn(server::run(listener, plan, seams, stop.clone()));
         Self {
@@ -64,9 +66,17 @@ impl TestServer {
         client::request(self.address, "GET", path, &[], "").await
     }
 
-    /// Posts JSON.
+    /// Posts JSON, with a new key.
     pub(crate) async fn post(&self, path: &str, body: &str) -> HttpReply {
-        let headers = [("content-type", "application/json")];
+        self.post_with_key(path, &fresh_key(), body).await
+    }
+
+    /// Posts JSON with a key that may have been used before.
+    pub(crate) async fn post_with_key(&self, path: &str, key: &str, body: &str) -> HttpReply {
+        let headers = [
+            ("content-type", "application/json"),
+            ("idempotency-key", key),
+        ];
         client::request(self.address, "POST", path, &headers, body).await
     }
 
@@ -79,6 +89,12 @@ impl TestServer {
     ) -> HttpReply {
         client::request(self.address, method, path, headers, body).await
     }
+}
+
+/// A key nobody has used.
+pub(crate) fn fresh_key() -> String {
+    static LAST: AtomicU64 = AtomicU64::new(0);
+    format!("key-{}", LAST.fetch_add(1, Ordering::Relaxed))
 }
 
 /// Where the motions of `r1` are.

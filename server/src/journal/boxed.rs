@@ -1,0 +1,46 @@
+//! The journal's trait with boxed futures, so that the server is not generic over its store.
+
+use std::future::Future;
+use std::pin::Pin;
+
+use journal::{
+    AppendError, Appended, Begun, Claim, Clocks, Epoch, Head, Intent, Journal, LookupError,
+    MotionEntry, MotionId, MotionPhase, MotionStory, Position, ReadError, Record, Replay, Stored,
+};
+
+type Boxed<'a, T> = Pin<Box<dyn Future<Output = T> + Send + 'a>>;
+
+macro_rules! any_journal {
+    ($($name:ident($($argument:ident: $type:ty),*) -> $output:ty;)*) => {
+        /// [`Journal`], as an object.
+        pub(super) trait AnyJournal: Send + Sync {
+            fn epoch(&self) -> Epoch;
+            fn head(&self) -> Head;
+            $(fn $name<'a>(&'a self, $($argument: $type),*) -> Boxed<'a, $output>;)*
+        }
+
+        impl<J: Journal> AnyJournal for J {
+            fn epoch(&self) -> Epoch {
+                Journal::epoch(self)
+            }
+
+            fn head(&self) -> Head {
+                Journal::head(self)
+            }
+
+            $(fn $name<'a>(&'a self, $($argument: $type),*) -> Boxed<'a, $output> {
+                Box::pin(Journal::$name(self, $($argument),*))
+            })*
+        }
+    };
+}
+
+any_journal! {
+    append(at: Clocks, record: Record) -> Result<Appended, AppendError>;
+    begin_motion(at: Clocks, intent: Intent) -> Result<Begun, AppendError>;
+    lookup(claim: &'a Claim, now: Clocks) -> Result<Option<Replay>, LookupError>;
+    motion(motion: MotionId) -> Result<Option<MotionStory>, ReadError>;
+    motions(phases: &'a [MotionPhase], after: Position, limit: usize) -> Result<Vec<MotionEntry>, ReadError>;
+    latest_motions(before: Position, limit: usize) -> Result<Vec<MotionEntry>, ReadError>;
+    decided(cell: &'a str, after: Position, limit: usize) -> Result<Vec<Stored>, ReadError>;
+}

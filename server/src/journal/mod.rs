@@ -1,0 +1,234 @@
+//! The server's way to its journal: one handle for all that write to it, whatever store is behind.
+//!
+//! Every record goes through here, so that one place knows whether the journal can be written, and notices a wall
+//! clock that was set.
+
+mod boxed;
+mod open;
+mod trouble;
+
+use std::fmt;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::time::Duration;
+
+use jiff::Timestamp;
+use journal::{
+    Appended, Audit, AuditResult, Begun, CellDecided, Claim, Clocks, Epoch, Head, Intent, Journal,
+    LookupError, MemoryDisk, MemoryJournal, MotionEntry, MotionId, MotionPhase, MotionStory,
+    Opening, Position, ReadError, Record, Replay, Stored,
+};
+use tokio::time::Instant;
+
+use boxed::AnyJournal;
+pub use open::{JournalError, open};
+pub(crate) use trouble::Trouble;
+
+/// How many records a journal without a file keeps before it forgets the oldest.
+const KEPT_IN_MEMORY: usize = 20_000;
+/// A difference between the two clocks that no drift explains.
+const CLOCK_STEP: Duration = Duration::from_secs(2);
+
+/// The journal of a server, shared by all that write to it.
+#[derive(Clone)]
+pub struct SharedJournal(Arc<Inner>);
+
+struct Inner {
+    journal: Box<dyn AnyJournal>,
+    keeps: Keeps,
+    started: Instant,
+    /// Why it can no longer be written, once it cannot.
+    broken: OnceLock<Trouble>,
+    clocks: Mutex<Option<Clocks>>,
+}
+
+/// Whether a journal outlives the process.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(crate) enum Keeps {
+    OverRestarts,
+    UntilTheEnd,
+}
+
+impl SharedJournal {
+    /// A journal that outlives the process.
+    pub fn durable(journal: impl Journal) -> Self {
+        Self::new(journal, Keeps::OverRestarts)
+    }
+
+    /// A journal in memory: it has the newest records, and nothing of it survives a restart.
+    ///
+    /// # Panics
+    /// Never: an empty disk in memory can be opened.
+    #[must_use]
+    pub fn volatile() -> Self {
+        let opening = Opening {
+            at: Clocks {
+                wall: Timestamp::UNIX_EPOCH,
+                monotonic: Duration::ZERO,
+            },
+            program: open::program(),
+            keys: journal::KeyRetention::default(),
+        };
+        let journal = MemoryJournal::open(&MemoryDisk::forgetful(KEPT_IN_MEMORY), &opening)
+            .expect("an empty disk in memory can be opened");
+        Self::new(journal, Keeps::UntilTheEnd)
+    }
+
+    fn new(journal: impl Journal, keeps: Keeps) -> Self {
+        Self(Arc::new(Inner {
+            journal: Box::new(journal),
+            keeps,
+            started: Instant::now(),
+            broken: OnceLock::new(),
+            clocks: Mutex::new(None),
+        }))
+    }
+
+    pub(crate) fn keeps(&self) -> Keeps {
+        self.0.keeps
+    }
+
+    pub(crate) fn epoch(&self) -> Epoch {
+        self.0.journal.epoch()
+    }
+
+    pub(crate) fn head(&self) -> Head {
+        self.0.journal.head()
+    }
+
+    /// Why nothing can be written any more, if so.
+    pub(crate) fn broken(&self) -> Option<&Trouble> {
+        self.0.broken.get()
+    }
+
+    /// Keeps a record; returns when it is durable.
+    pub(crate) async fn append(&self, now: Timestamp, record: Record) -> Result<Appended, Trouble> {
+        let at = self.clocks(now).await;
+        let appended = self.0.journal.append(at, record).await;
+        appended.map_err(|error| self.noted(&error))
+    }
+
+    /// Keeps an intent; returns the permission to send it once it is durable.
+    pub(crate) async fn begin_motion(
+        &self,
+        now: Timestamp,
+        intent: Intent,
+    ) -> Result<Begun, Trouble> {
+        let at = self.clocks(now).await;
+        let begun = self.0.journal.begin_motion(at, intent).await;
+        begun.map_err(|error| self.noted(&error))
+    }
+
+    /// Keeps a decision of a cell's state machines.
+    #[expect(dead_code, reason = "the cell's driver is to come")]
+    pub(crate) async fn decide_cell(
+        &self,
+        now: Timestamp,
+        decided: CellDecided,
+    ) -> Result<Appended, Trouble> {
+        self.append(now, Record::CellDecided(decided)).await
+    }
+
+    pub(crate) async fn lookup(
+        &self,
+        claim: &Claim,
+        now: Timestamp,
+    ) -> Result<Option<Replay>, LookupError> {
+        let at = Clocks {
+            wall: now,
+            monotonic: self.0.started.elapsed(),
+        };
+        self.0.journal.lookup(claim, at).await
+    }
+
+    pub(crate) async fn motion(&self, motion: MotionId) -> Result<Option<MotionStory>, ReadError> {
+        self.0.journal.motion(motion).await
+    }
+
+    pub(crate) async fn motions(
+        &self,
+        phases: &[MotionPhase],
+        after: Position,
+        limit: usize,
+    ) -> Result<Vec<MotionEntry>, ReadError> {
+        self.0.journal.motions(phases, after, limit).await
+    }
+
+    pub(crate) async fn latest_motions(
+        &self,
+        before: Position,
+        limit: usize,
+    ) -> Result<Vec<MotionEntry>, ReadError> {
+        self.0.journal.latest_motions(before, limit).await
+    }
+
+    /// The decisions of a cell's state machines, a page of them.
+    #[expect(dead_code, reason = "the cell's driver is to come")]
+    pub(crate) async fn decided(
+        &self,
+        cell: &str,
+        after: Position,
+        limit: usize,
+    ) -> Result<Vec<Stored>, ReadError> {
+        self.0.journal.decided(cell, after, limit).await
+    }
+
+    fn noted(&self, error: &journal::AppendError) -> Trouble {
+        let trouble = Trouble::of(error);
+        if error.is_fatal() && self.0.broken.set(trouble.clone()).is_ok() {
+            tracing::error!(
+                error = %trouble,
+                "the journal cannot be written: nothing moves until the server is started again"
+            );
+        }
+        trouble
+    }
+
+    /// Both clocks. Where the wall clock was set since the last record, that is written down first.
+    async fn clocks(&self, wall: Timestamp) -> Clocks {
+        let now = Clocks {
+            wall,
+            monotonic: self.0.started.elapsed(),
+        };
+        let before = {
+            let mut seen = self.0.clocks.lock().unwrap_or_else(PoisonError::into_inner);
+            seen.replace(now)
+        };
+        let Some(step) = before.and_then(|before| clock_step(before, now)) else {
+            return now;
+        };
+        tracing::warn!(step_s = step.as_secs_f64(), "the wall clock was set");
+        let audit = Record::Audit(Audit {
+            principal: "server".into(),
+            action: "clock.step".into(),
+            object: "wall clock".into(),
+            result: AuditResult::Done,
+            request_id: None,
+            before: before.map(|before| before.wall.to_string()),
+            after: Some(wall.to_string()),
+        });
+        // If it cannot be written, the record that follows cannot either, and its writer hears of it.
+        if let Err(error) = self.0.journal.append(now, audit).await {
+            let _noted = self.noted(&error);
+        }
+        now
+    }
+}
+
+/// How far the wall clock was set between two readings, either way.
+fn clock_step(before: Clocks, now: Clocks) -> Option<Duration> {
+    let passed = now.monotonic.saturating_sub(before.monotonic);
+    let wall = now.wall.duration_since(before.wall);
+    let passed = jiff::SignedDuration::try_from(passed).ok()?;
+    let step = (wall - passed).unsigned_abs();
+    (step > CLOCK_STEP).then_some(step)
+}
+
+impl fmt::Debug for SharedJournal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("SharedJournal")
+            .field("keeps", &self.0.keeps)
+            .field("epoch", &self.epoch())
+            .field("head", &self.head().position)
+            .finish_non_exhaustive()
+    }
+}

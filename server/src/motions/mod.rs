@@ -1,0 +1,228 @@
+//! Motions as durable resources: intent in the journal before the first byte, outcome after, and what is known of
+//! each at any time.
+//!
+//! ```text
+//! POST ─▶ key, checks ─▶ door (one motion of a robot after the other): intent durable ─▶ link ─▶ controller
+//!                                                                                         │
+//!         book (in memory: what is shown and waited for) ◀── outcome durable ◀────────────┘
+//! ```
+//! The [`Permit`] to send comes from here alone, and here it comes from the journal: a motion without a durable
+//! intent cannot be given to a link. Where the configuration names no journal, nothing outlives the process, and the
+//! thesis's own routes, which take no keys, leave the journal out.
+
+mod book;
+mod doubts;
+mod history;
+mod idempotency;
+mod intent;
+mod record;
+mod seed;
+
+use std::sync::Arc;
+
+use api::ProblemCode;
+use jiff::Timestamp;
+use journal::{Begun, Claim, DurableIntent};
+use tokio::sync::Mutex;
+use tokio_util::task::TaskTracker;
+use uuid::Uuid;
+
+pub(crate) use book::{Book, Entry};
+pub(crate) use doubts::{Respond, RespondError, Responded, intervention};
+pub(crate) use history::recover;
+pub(crate) use idempotency::{InFlight, KeyGuard, RequestKey};
+pub(crate) use record::{Asked, End, Progress, Record};
+pub(crate) use seed::{Accepted, CommandFailure, Start, Started, no_base, problem_of};
+
+use crate::clock::WallClock;
+use crate::config::RobotPlan;
+use crate::journal::{Keeps, SharedJournal, Trouble};
+
+/// The motions of one robot.
+#[derive(Debug)]
+pub(crate) struct Motions {
+    plan: Arc<RobotPlan>,
+    clock: Arc<dyn WallClock>,
+    journal: SharedJournal,
+    tracker: TaskTracker,
+    pub(crate) book: Book,
+    /// The number of the last intent. Whoever holds it is the only one whose motion goes to the journal and then to
+    /// the link, so that the order there is the order here.
+    door: Mutex<u64>,
+}
+
+/// The permission to send one motion, once. It cannot be copied.
+#[derive(Debug)]
+pub(crate) struct Permit(Kind);
+
+#[derive(Debug)]
+enum Kind {
+    Durable(DurableIntent),
+    /// Nothing outlives the process, so that there is nothing to keep.
+    Unkept(Uuid),
+}
+
+/// What became of the beginning of a motion.
+#[derive(Debug)]
+pub(crate) enum Entered {
+    New(Permit),
+    /// The key stands for this motion; nothing is to be sent.
+    Replayed(Uuid),
+}
+
+impl Permit {
+    /// The motion.
+    pub(crate) fn motion(&self) -> Uuid {
+        match &self.0 {
+            Kind::Durable(intent) => intent.motion().0,
+            Kind::Unkept(motion) => *motion,
+        }
+    }
+}
+
+impl Motions {
+    pub(crate) fn new(
+        plan: Arc<RobotPlan>,
+        clock: Arc<dyn WallClock>,
+        journal: SharedJournal,
+        tracker: TaskTracker,
+    ) -> Self {
+        Self {
+            plan,
+            clock,
+            journal,
+            tracker,
+            book: Book::default(),
+            door: Mutex::new(0),
+        }
+    }
+
+    pub(crate) fn now(&self) -> Timestamp {
+        self.clock.now()
+    }
+
+    pub(crate) fn journal(&self) -> &SharedJournal {
+        &self.journal
+    }
+
+    /// Whether a motion of nobody's key is kept over a restart.
+    fn keeps_all(&self) -> bool {
+        self.journal.keeps() == Keeps::OverRestarts
+    }
+
+    /// Makes the intent of a motion durable and enters it in the book. `number` is the door's.
+    async fn begin(
+        &self,
+        entry: Entry,
+        claim: Option<Claim>,
+        number: &mut u64,
+    ) -> Result<Entered, Trouble> {
+        let created_at = self.clock.now();
+        let id = self.book.new_id(created_at);
+        let seq = *number + 1;
+        let intent = self.intent(id, &entry, seq, claim);
+        match self.journal.begin_motion(created_at, intent).await? {
+            Begun::New(durable) => {
+                *number = seq;
+                let _id = self.book.enter(entry, Some(id), created_at);
+                Ok(Entered::New(Permit(Kind::Durable(durable))))
+            }
+            Begun::Replayed(replay) => match replay.first.record.motion() {
+                Some(motion) => Ok(Entered::Replayed(motion.0)),
+                // A job took the key.
+                None => Err(Trouble::Refused(journal::Refusal::KeyReused {
+                    first: replay.first.position,
+                })),
+            },
+        }
+    }
+
+    /// Enters a motion that nobody keeps.
+    fn begin_unkept(&self, entry: Entry) -> Permit {
+        Permit(Kind::Unkept(self.book.enter(entry, None, self.clock.now())))
+    }
+
+    /// Begins a motion whose target only the link's owner could tell, from there.
+    pub(crate) async fn begin_in_link(&self, entry: Entry) -> Result<Permit, Trouble> {
+        if !self.keeps_all() {
+            return Ok(self.begin_unkept(entry));
+        }
+        let mut number = self.door.lock().await;
+        match self.begin(entry, None, &mut number).await? {
+            Entered::New(permit) => Ok(permit),
+            Entered::Replayed(_) => Err(Trouble::Unavailable(
+                "a motion without a key was taken for another".to_owned(),
+            )),
+        }
+    }
+
+    /// From here on bytes may be on their way; `false` if the motion was taken back before.
+    pub(crate) fn dispatch(&self, id: Uuid) -> bool {
+        self.book.update(id, |progress| {
+            matches!(progress, Progress::Queued).then_some(Progress::Dispatched)
+        })
+    }
+
+    /// Makes a motion's end durable, shows it, and returns when that was.
+    ///
+    /// The journal comes first: nobody is told an end that a restart would take back. If it cannot be written, the end
+    /// is shown all the same, because it is true; after a restart the motion is then in doubt.
+    pub(crate) async fn end(&self, id: Uuid, end: End) -> Timestamp {
+        let at = self.clock.now();
+        if let Err(trouble) = self.keep_end(id, &end, at).await {
+            tracing::error!(
+                robot.id = self.plan.id,
+                motion = %id,
+                state = ?end.state(),
+                error = %trouble,
+                "the end of a motion could not be kept"
+            );
+        }
+        let _shown = self.book.update(id, |progress| match progress {
+            // A motion taken back while it waited for the journal.
+            Progress::Ended { .. } => None,
+            _ => Some(Progress::Ended { at, end }),
+        });
+        at
+    }
+
+    async fn keep_end(&self, id: Uuid, end: &End, at: Timestamp) -> Result<(), Trouble> {
+        let Some(record) = self.book.get(id) else {
+            return Ok(());
+        };
+        let record = match end {
+            End::InDoubt { .. } if !record.in_journal => {
+                // Somebody has to decide about it, and a decision needs what it is about.
+                let mut number = self.door.lock().await;
+                *number += 1;
+                let intent = self.intent(id, &record.entry(), *number, None);
+                let _begun = self.journal.begin_motion(at, intent).await?;
+                intent::outcome(id, end)
+            }
+            _ if !record.in_journal => return Ok(()),
+            End::Accepted => intent::accepted(id),
+            _ => intent::outcome(id, end),
+        };
+        let _kept = self.journal.append(at, record).await?;
+        Ok(())
+    }
+
+    /// Takes back a motion that waits for the link; `false` if it does not wait.
+    pub(crate) async fn take_back(&self, id: Uuid) -> bool {
+        let at = self.clock.now();
+        let end = End::NotExecuted {
+            code: ProblemCode::MotionCanceled,
+            why: Some("taken back before it was sent".into()),
+        };
+        let taken = self.book.update(id, |progress| {
+            matches!(progress, Progress::Queued).then(|| Progress::Ended {
+                at,
+                end: end.clone(),
+            })
+        });
+        if taken && let Err(trouble) = self.keep_end(id, &end, at).await {
+            tracing::error!(motion = %id, error = %trouble, "a cancellation could not be kept");
+        }
+        taken
+    }
+}

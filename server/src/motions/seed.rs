@@ -1,0 +1,299 @@
+//! Motions of a robot of tier 0: from a prepared move to the link, and from what became of it to a problem.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use api::{Outcome, ProblemCode};
+use journal::Claim;
+use protocol::{Reply, WireMove};
+use tokio::sync::oneshot;
+use tokio::time::Instant;
+use units::MmPerSec;
+use uuid::Uuid;
+
+use super::{Asked, End, Entered, Entry, KeyGuard, Record};
+use crate::config::RobotPlan;
+use crate::journal::Trouble;
+use crate::link::{Answer, Base, LinkError, Order, Turned};
+use crate::problem::Problem;
+use crate::request_id::RequestId;
+use crate::state::Robot;
+use crate::target::{Prepared, Refusal};
+
+/// What is said where the robot may have moved.
+const LOOK: &str =
+    "Look at the robot before sending anything else. The server does not send this command again.";
+
+/// A motion the controller took.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Accepted {
+    pub(crate) sent: WireMove,
+}
+
+/// Why a command did not end in an accepted motion.
+#[derive(Debug)]
+pub(crate) enum CommandFailure {
+    /// The controller said no.
+    Rejected(Reply),
+    /// The server's own kinematics said no; nothing was sent.
+    Refused(Refusal),
+    /// A relative move has nothing to count from; nothing was sent.
+    NoBase(Base),
+    /// Everything else, already worded.
+    Problem(Problem),
+}
+
+/// A move on its way to the link.
+#[derive(Debug)]
+pub(crate) struct Start {
+    pub(crate) prepared: Prepared,
+    pub(crate) entry: Entry,
+    pub(crate) claim: Option<Claim>,
+    /// When its turn must have come.
+    pub(crate) begin_by: Instant,
+    /// When its answer must have come.
+    pub(crate) deadline: Instant,
+    /// Held until the link has the move, whether or not the caller is still there.
+    pub(crate) guard: Option<KeyGuard>,
+}
+
+/// A move the link has, or one of earlier.
+#[derive(Debug)]
+pub(crate) enum Started {
+    New {
+        motion: Uuid,
+        answer: oneshot::Receiver<Answer>,
+    },
+    Replayed(Uuid),
+}
+
+impl Robot {
+    /// Sends a prepared move of nobody's key and waits for what becomes of it.
+    pub(crate) async fn carry_out(
+        self: &Arc<Self>,
+        prepared: Prepared,
+        request_id: RequestId,
+        principal: Arc<str>,
+        within: Duration,
+    ) -> Result<Accepted, CommandFailure> {
+        let deadline = Instant::now() + within;
+        let start = Start {
+            prepared,
+            entry: Entry {
+                asked: Asked::of(&prepared),
+                request_id,
+                principal,
+                reason: None,
+                not_after: None,
+            },
+            claim: None,
+            begin_by: deadline,
+            deadline,
+            guard: None,
+        };
+        match self.start(start).await.map_err(CommandFailure::Problem)? {
+            Started::New { answer, .. } => self.judge(answer.await.ok()),
+            Started::Replayed(motion) => Err(CommandFailure::Problem(
+                Problem::new(ProblemCode::Internal, "a move without a key was replayed")
+                    .motion(Some(motion)),
+            )),
+        }
+    }
+
+    /// Makes the intent of a move durable and gives it to the link. It goes on where the caller goes away.
+    pub(crate) async fn start(self: &Arc<Self>, start: Start) -> Result<Started, Problem> {
+        if start.claim.is_none() && !self.motions.keeps_all() {
+            // Nothing is waited for, so there is nothing to go on with alone.
+            return self.start_unkept(start);
+        }
+        let robot = Arc::clone(self);
+        let started = self
+            .motions
+            .tracker
+            .spawn(async move { robot.start_kept(start).await });
+        started.await.unwrap_or_else(|_panicked| {
+            Err(Problem::new(
+                ProblemCode::Internal,
+                "the server failed between journal and link",
+            )
+            .outcome(Outcome::Unknown)
+            .robot(&self.plan.id))
+        })
+    }
+
+    fn start_unkept(&self, start: Start) -> Result<Started, Problem> {
+        let request_id = start.entry.request_id.clone();
+        // The place comes first: a command that is turned away leaves no motion.
+        let place = self
+            .link
+            .reserve()
+            .map_err(|turned| self.turned(turned, &request_id))?;
+        let permit = self.motions.begin_unkept(start.entry);
+        let motion = permit.motion();
+        let order = Order::Move {
+            permit,
+            prepared: start.prepared,
+        };
+        let answer = place.send(order, start.begin_by, start.deadline, request_id);
+        Ok(Started::New { motion, answer })
+    }
+
+    async fn start_kept(&self, start: Start) -> Result<Started, Problem> {
+        let request_id = start.entry.request_id.clone();
+        let place = self
+            .link
+            .reserve()
+            .map_err(|turned| self.turned(turned, &request_id))?;
+        let mut number = self.motions.door.lock().await;
+        let entered = self
+            .motions
+            .begin(start.entry, start.claim, &mut number)
+            .await
+            .map_err(|trouble| trouble.problem().robot(&self.plan.id))?;
+        match entered {
+            Entered::New(permit) => {
+                let motion = permit.motion();
+                let order = Order::Move {
+                    permit,
+                    prepared: start.prepared,
+                };
+                let answer = place.send(order, start.begin_by, start.deadline, request_id);
+                drop(number);
+                drop(start.guard);
+                Ok(Started::New { motion, answer })
+            }
+            Entered::Replayed(motion) => Ok(Started::Replayed(motion)),
+        }
+    }
+
+    /// Sends a move relative to the last accepted target and waits for what becomes of it.
+    pub(crate) async fn carry_out_delta(
+        self: &Arc<Self>,
+        change: [f64; 6],
+        speed: MmPerSec,
+        request_id: RequestId,
+        principal: Arc<str>,
+    ) -> Result<Accepted, CommandFailure> {
+        let place = self
+            .link
+            .reserve()
+            .map_err(|turned| CommandFailure::Problem(self.turned(turned, &request_id)))?;
+        let order = Order::Delta {
+            change,
+            speed,
+            principal,
+        };
+        let deadline = Instant::now() + self.plan.deadline;
+        let answer = place.send(order, deadline, deadline, request_id.clone());
+        let answer = answer.await.ok();
+        // The link could not tell before, and made no motion of it.
+        if let Some(Answer::Refused(refusal)) = &answer {
+            refusal.log(&self.plan.id, &request_id);
+        }
+        if let Some(Answer::NoBase(base)) = &answer {
+            tracing::info!(
+                robot.id = self.plan.id,
+                request_id = &*request_id,
+                reason = no_base(*base),
+                "the command was refused and not sent"
+            );
+        }
+        self.judge(answer)
+    }
+
+    fn judge(&self, answer: Option<Answer>) -> Result<Accepted, CommandFailure> {
+        match answer {
+            Some(Answer::Replied {
+                reply: Reply::Accepted,
+                sent,
+            }) => Ok(Accepted { sent }),
+            Some(Answer::Replied { reply, .. }) => Err(CommandFailure::Rejected(reply)),
+            Some(Answer::Failed { motion, error }) => {
+                let problem = problem_of_end(&self.plan, motion, &error.end());
+                Err(CommandFailure::Problem(problem))
+            }
+            Some(Answer::Refused(refusal)) => Err(CommandFailure::Refused(refusal)),
+            Some(Answer::NoBase(base)) => Err(CommandFailure::NoBase(base)),
+            Some(Answer::Unkept(trouble)) => Err(CommandFailure::Problem(self.unkept(&trouble))),
+            None => Err(CommandFailure::Problem(
+                Problem::new(ProblemCode::Internal, "the robot's link has ended")
+                    .outcome(Outcome::Unknown)
+                    .robot(&self.plan.id),
+            )),
+        }
+    }
+
+    fn unkept(&self, trouble: &Trouble) -> Problem {
+        trouble.problem().robot(&self.plan.id)
+    }
+
+    fn turned(&self, turned: Turned, request_id: &str) -> Problem {
+        tracing::info!(
+            robot.id = self.plan.id,
+            request_id,
+            reason = ?turned,
+            "the command was turned away and not sent"
+        );
+        let problem = match turned {
+            Turned::Busy => Problem::not_sent(
+                ProblemCode::ControllerBusy,
+                format!(
+                    "{} commands are waiting for this robot, and no more may",
+                    self.plan.queue_capacity
+                ),
+            ),
+            Turned::Stopping => {
+                Problem::not_sent(ProblemCode::ShuttingDown, LinkError::Stopping.to_string())
+            }
+        };
+        problem.robot(&self.plan.id).retry_after_a_second()
+    }
+}
+
+/// The problem a motion ended in, if it did.
+pub(crate) fn problem_of(plan: &RobotPlan, record: &Record) -> Option<Problem> {
+    let end = record.progress.end()?;
+    let _went_wrong = end.code()?;
+    Some(problem_of_end(plan, Some(record.id), end))
+}
+
+/// The problem of a motion that did not do what it was to do.
+fn problem_of_end(plan: &RobotPlan, motion: Option<Uuid>, end: &End) -> Problem {
+    let code = end.code().unwrap_or(ProblemCode::Internal);
+    let why = || end.why().unwrap_or_else(|| code.title());
+    let problem = match end {
+        End::Rejected { text, .. } => {
+            Problem::new(code, format!("the controller answered \"{text}\""))
+                .outcome(Outcome::Rejected)
+        }
+        End::NotExecuted { .. } => Problem::not_sent(code, why()).retryable(),
+        End::Interrupted { .. } => Problem::new(
+            code,
+            "the motion began and ended before its target; the arm is where it stopped",
+        )
+        .outcome(Outcome::Unknown),
+        End::Accepted | End::Succeeded { .. } | End::InDoubt { .. } => {
+            Problem::new(code, format!("{}; the robot may have moved", why()))
+                .outcome(Outcome::Unknown)
+                .hint(LOOK)
+        }
+    };
+    let problem = problem
+        .robot(&plan.id)
+        .motion(motion)
+        .controller_text(end.controller_text());
+    match code.status() {
+        503 => problem.retry_after_a_second(),
+        _ => problem,
+    }
+}
+
+/// Why a relative move has nothing to count from.
+pub(crate) fn no_base(base: Base) -> &'static str {
+    match base {
+        Base::Nothing | Base::Target(_) => "no move was accepted since the server started",
+        Base::InDoubt => {
+            "the last move is in doubt, so the target the arm is going to is not known; an absolute move sets it"
+        }
+    }
+}
