@@ -112,13 +112,16 @@ async fn serve<L: Listener>(
         let (table, cut_off) = (Arc::clone(&table), cut_off.clone());
         tokio::spawn(async move { cut_off.run_until_cancelled(table.sweep()).await })
     };
+    if let Err(error) = listener.prepare() {
+        tracing::warn!(%error, "the backlog of the listener stays as it is");
+    }
     let mut failures = AcceptFailures::none();
     while let Some(accepted) = stop.run_until_cancelled(listener.accept()).await {
         let (stream, peer) = match accepted {
             Ok(accepted) => accepted,
             Err(error) => {
                 if let Some(pause) = failures.note(&error) {
-                    table.make_room();
+                    let _made = table.make_room();
                     let _stopped = stop.run_until_cancelled(sleep(pause)).await;
                 }
                 continue;

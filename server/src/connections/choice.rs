@@ -7,6 +7,10 @@ use super::standing::{Phase, Seen};
 /// How long a request is worked on before its connection may have to go, in milliseconds.
 const PATIENCE_MS: u64 = 1_000;
 
+/// How long a peer may keep the server waiting before it counts as slow, in milliseconds: a round trip, and the time a
+/// busy machine takes to look at what has come.
+const GRACE_MS: u64 = 100;
+
 /// Whom a connection is counted for: an IPv4 address, or the first 64 bits of an IPv6 address, which one caller has
 /// for itself.
 #[derive(Clone, Copy, Debug, Eq, Ord, PartialEq, PartialOrd)]
@@ -31,6 +35,8 @@ pub(crate) enum Dispensable {
     Slow,
     /// It is between two requests.
     Idle,
+    /// Its peer has just begun to keep the server waiting.
+    Fresh,
     /// Its peer keeps the server waiting.
     Waiting,
 }
@@ -38,17 +44,19 @@ pub(crate) enum Dispensable {
 impl Seen {
     /// Whether the connection can be closed for another one at `now`, in milliseconds since the epoch.
     pub(super) fn dispensable(&self, now: u64) -> Option<Dispensable> {
+        let age = now.saturating_sub(self.since);
+        let waiting = if age > GRACE_MS {
+            Dispensable::Waiting
+        } else {
+            Dispensable::Fresh
+        };
         match self.phase {
-            Phase::Arriving | Phase::Head | Phase::Body => Some(Dispensable::Waiting),
-            Phase::Answering | Phase::Sent => {
-                self.blocked_since.is_some().then_some(Dispensable::Waiting)
-            }
+            Phase::Arriving | Phase::Head | Phase::Body => Some(waiting),
+            Phase::Answering | Phase::Sent => self.blocked_since.map(|_| waiting),
             Phase::Idle => Some(Dispensable::Idle),
-            Phase::Handling => {
-                (now.saturating_sub(self.since) > PATIENCE_MS).then_some(Dispensable::Slow)
-            }
-            // It holds none of the places.
-            Phase::Streaming => None,
+            Phase::Handling => (age > PATIENCE_MS).then_some(Dispensable::Slow),
+            // The one is about to be looked at, the other holds none of the places.
+            Phase::Accepted | Phase::Streaming => None,
         }
     }
 }
@@ -136,7 +144,28 @@ mod tests {
         assert_eq!(seen(Phase::Answering, None).dispensable(9_000), None);
         let slow_reader = seen(Phase::Answering, Some(1_500));
         assert_eq!(slow_reader.dispensable(1_501), Some(Dispensable::Waiting));
+        assert_eq!(seen(Phase::Accepted, None).dispensable(9_000), None);
         assert_eq!(seen(Phase::Streaming, Some(1)).dispensable(9_000), None);
+    }
+
+    #[test]
+    fn a_peer_has_a_moment_before_it_counts_as_slow() {
+        let arriving = Seen {
+            phase: Phase::Arriving,
+            since: 1_000,
+            blocked_since: None,
+        };
+        assert_eq!(arriving.dispensable(1_100), Some(Dispensable::Fresh));
+        assert_eq!(arriving.dispensable(1_101), Some(Dispensable::Waiting));
+        let mut all = vec![
+            candidate(1, 1, Dispensable::Fresh, 1_000),
+            candidate(2, 1, Dispensable::Fresh, 1_001),
+            candidate(3, 2, Dispensable::Waiting, 1_050),
+            candidate(4, 2, Dispensable::Idle, 0),
+        ];
+        assert_eq!(choose(&mut all.clone()), Some(3));
+        let _slow = all.remove(2);
+        assert_eq!(choose(&mut all), Some(1), "the idle one stays");
     }
 
     #[test]

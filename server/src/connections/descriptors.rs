@@ -1,6 +1,7 @@
 //! How many files the process may have open: connections must not take the last ones, which the links to the
 //! controllers and the journal need.
 
+use super::table::CLOSING;
 use crate::config::ServerPlan;
 
 /// For the listener, the runtime, the journal and its log, standard streams, and what a program around needs.
@@ -11,7 +12,7 @@ const A_ROBOT: usize = 4;
 /// How many places for connections there are: as many as configured, or as few as leave enough files for the rest.
 pub(super) fn places(limits: &ServerPlan, robots: usize) -> usize {
     let wanted = limits.max_connections;
-    let kept = OWN + A_ROBOT * robots + limits.max_event_streams;
+    let kept = OWN + A_ROBOT * robots + limits.max_event_streams + CLOSING;
     let Some(open_files) = std::fs::read_to_string("/proc/self/limits")
         .ok()
         .and_then(|text| soft_limit(&text))

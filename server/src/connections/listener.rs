@@ -3,9 +3,13 @@ use std::io;
 use std::net::SocketAddr;
 use std::time::Duration;
 
+use socket2::SockRef;
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::{TcpListener, TcpStream};
 
+/// How many connections may wait in the kernel; it may allow fewer. Where the backlog is full, a caller's next try is a
+/// second later, and a burst of slow callers would cost honest ones that second. The library's own is 128.
+const BACKLOG: i32 = 4_096;
 /// The first pause after a connection could not be accepted; it doubles.
 const FIRST_PAUSE: Duration = Duration::from_millis(5);
 /// The longest.
@@ -15,6 +19,14 @@ const LONGEST_PAUSE: Duration = Duration::from_millis(500);
 pub trait Listener: Send + 'static {
     /// A connection.
     type Io: AsyncRead + AsyncWrite + Send + Unpin + 'static;
+
+    /// Called once, before the first connection is accepted.
+    ///
+    /// # Errors
+    /// It cannot be made ready; the server serves all the same.
+    fn prepare(&mut self) -> io::Result<()> {
+        Ok(())
+    }
 
     /// The next connection, and where it comes from.
     ///
@@ -26,6 +38,11 @@ pub trait Listener: Send + 'static {
 
 impl Listener for TcpListener {
     type Io = TcpStream;
+
+    fn prepare(&mut self) -> io::Result<()> {
+        // Asking again changes the length of the backlog.
+        SockRef::from(&*self).listen(BACKLOG)
+    }
 
     async fn accept(&mut self) -> io::Result<(TcpStream, SocketAddr)> {
         let (stream, peer) = TcpListener::accept(self).await?;

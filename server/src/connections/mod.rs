@@ -16,7 +16,8 @@
 //!
 //! When a caller arrives and every place is taken, one connection is closed for it ([`choice`]):
 //!
-//! 1. one whose peer keeps the server waiting: of the address that has most of them, the one that waits longest;
+//! 1. one whose peer keeps the server waiting, for more than a moment if there is such a one: of the address that has
+//!    most of them, the one that waits longest;
 //! 2. else one that is idle between two requests: of the address that has most of them, the one idle longest;
 //! 3. else one whose request has been worked on for more than a second. Its command stays: a caller who goes away does
 //!    not take it along, and its idempotency key tells what became of it.

@@ -43,7 +43,10 @@ impl<S: AsyncRead + Unpin> AsyncRead for Watched<S> {
     ) -> Poll<io::Result<()>> {
         let before = buffer.filled().len();
         let polled = Pin::new(&mut self.stream).poll_read(context, buffer);
-        if buffer.filled().len() > before {
+        if polled.is_pending() {
+            // From here on it is the peer the server waits for.
+            self.standing.pass(Phase::Accepted, Phase::Arriving);
+        } else if buffer.filled().len() > before {
             self.standing.pass(Phase::Idle, Phase::Head);
         }
         polled

@@ -9,7 +9,9 @@ use super::choice::Host;
 /// What a connection is doing.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(crate) enum Phase {
-    /// Accepted; no whole head of a request has come yet.
+    /// Accepted, and not looked at yet.
+    Accepted,
+    /// Nothing has come, or a part of a head; a whole one never has.
     Arriving,
     /// A head of a later request has begun.
     Head,
@@ -33,7 +35,7 @@ pub(crate) enum Phase {
 pub(crate) struct Standing {
     pub(super) host: Host,
     epoch: Instant,
-    /// Milliseconds since the epoch, times eight, and the phase.
+    /// Milliseconds since the epoch, times sixteen, and the phase.
     word: AtomicU64,
     /// Since when the peer has taken nothing; zero while it does.
     blocked_since: AtomicU64,
@@ -51,7 +53,7 @@ pub(crate) struct Seen {
 }
 
 impl Standing {
-    pub(super) fn new(host: Host, epoch: Instant, place: OwnedSemaphorePermit) -> Self {
+    pub(super) fn new(host: Host, epoch: Instant, place: Option<OwnedSemaphorePermit>) -> Self {
         let this = Self {
             host,
             epoch,
@@ -59,9 +61,9 @@ impl Standing {
             blocked_since: AtomicU64::new(0),
             closing: AtomicBool::new(false),
             close: Notify::new(),
-            place: Mutex::new(Some(place)),
+            place: Mutex::new(place),
         };
-        this.enter(Phase::Arriving);
+        this.enter(Phase::Accepted);
         this
     }
 
@@ -70,7 +72,7 @@ impl Standing {
     }
 
     pub(super) fn enter(&self, phase: Phase) {
-        let word = millis_since(self.epoch) << 3 | phase as u64;
+        let word = millis_since(self.epoch) << 4 | phase as u64;
         self.word.store(word, Ordering::Relaxed);
     }
 
@@ -104,7 +106,7 @@ impl Standing {
         let blocked = self.blocked_since.load(Ordering::Relaxed);
         Seen {
             phase: phase_of(word),
-            since: word >> 3,
+            since: word >> 4,
             blocked_since: (blocked != 0).then_some(blocked),
         }
     }
@@ -131,14 +133,15 @@ pub(super) fn millis_since(epoch: Instant) -> u64 {
 }
 
 fn phase_of(word: u64) -> Phase {
-    match word & 7 {
-        0 => Phase::Arriving,
-        1 => Phase::Head,
-        2 => Phase::Body,
-        3 => Phase::Handling,
-        4 => Phase::Answering,
-        5 => Phase::Sent,
-        6 => Phase::Idle,
+    match word & 15 {
+        0 => Phase::Accepted,
+        1 => Phase::Arriving,
+        2 => Phase::Head,
+        3 => Phase::Body,
+        4 => Phase::Handling,
+        5 => Phase::Answering,
+        6 => Phase::Sent,
+        7 => Phase::Idle,
         _ => Phase::Streaming,
     }
 }

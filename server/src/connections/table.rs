@@ -1,10 +1,11 @@
+use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::net::IpAddr;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use tokio::sync::Semaphore;
+use tokio::sync::{Notify, Semaphore};
 use tokio::time::{Instant, MissedTickBehavior, interval, timeout};
 
 use super::choice::{Candidate, Dispensable, Host, choose};
@@ -12,8 +13,10 @@ use super::descriptors;
 use super::standing::{Phase, Seen, Standing, millis_since};
 use crate::config::ServerPlan;
 
-/// How long the one that was asked to make room is waited for, before another is asked.
-const MAKING_ROOM: Duration = Duration::from_millis(10);
+/// How often somebody is looked for who can make room, where there was nobody.
+const LOOKING_AGAIN: Duration = Duration::from_millis(10);
+/// How many connections may be closing while others have their places.
+pub(super) const CLOSING: usize = 64;
 /// How often the log says that connections are being closed.
 const REPORTED_EVERY: Duration = Duration::from_secs(10);
 
@@ -21,7 +24,12 @@ const REPORTED_EVERY: Duration = Duration::from_secs(10);
 #[derive(Debug)]
 pub(crate) struct Table {
     epoch: Instant,
-    places: Arc<Semaphore>,
+    /// How many connections may be open, those not counted that are closing, or are streams.
+    places: usize,
+    /// As many as that, and a few that are closing.
+    sockets: Arc<Semaphore>,
+    /// A connection has ended.
+    ended: Notify,
     limits: ServerPlan,
     entries: Mutex<BTreeMap<u64, Arc<Standing>>>,
     next: AtomicU64,
@@ -43,7 +51,9 @@ impl Table {
         let places = descriptors::places(limits, robots);
         Self {
             epoch: Instant::now(),
-            places: Arc::new(Semaphore::new(places)),
+            places,
+            sockets: Arc::new(Semaphore::new(places + CLOSING)),
+            ended: Notify::new(),
             limits: limits.clone(),
             entries: Mutex::new(BTreeMap::new()),
             next: AtomicU64::new(0),
@@ -56,18 +66,11 @@ impl Table {
     pub(crate) async fn seat(self: &Arc<Self>, peer: IpAddr) -> Seat {
         let host = Host::of(peer);
         self.relieve(host);
-        let place = loop {
-            if let Ok(place) = Arc::clone(&self.places).try_acquire_owned() {
-                break place;
-            }
-            self.make_room();
-            // Nobody closes the semaphore, so that the only other end is the time limit.
-            if let Ok(Ok(place)) =
-                timeout(MAKING_ROOM, Arc::clone(&self.places).acquire_owned()).await
-            {
-                break place;
-            }
-        };
+        while self.live() >= self.places && !self.make_room() {
+            let _ended = timeout(LOOKING_AGAIN, self.ended.notified()).await;
+        }
+        // Nobody closes the semaphore: it only waits until enough of those that are closing have ended.
+        let place = Arc::clone(&self.sockets).acquire_owned().await.ok();
         let id = self.next.fetch_add(1, Ordering::Relaxed);
         let standing = Arc::new(Standing::new(host, self.epoch, place));
         let _none = self.entries().insert(id, Arc::clone(&standing));
@@ -78,8 +81,16 @@ impl Table {
         }
     }
 
-    /// Closes the most dispensable connection, if there is one.
-    pub(crate) fn make_room(&self) {
+    /// The connections that hold a place.
+    fn live(&self) -> usize {
+        let counts = |standing: &&Arc<Standing>| {
+            !standing.is_closing() && standing.phase() != Phase::Streaming
+        };
+        self.entries().values().filter(counts).count()
+    }
+
+    /// Closes the most dispensable connection; false where none is.
+    pub(crate) fn make_room(&self) -> bool {
         let now = millis_since(self.epoch);
         let entries = self.entries();
         let mut candidates: Vec<_> = entries
@@ -95,10 +106,12 @@ impl Table {
                 })
             })
             .collect();
-        if let Some(standing) = choose(&mut candidates).and_then(|id| entries.get(&id)) {
-            standing.close();
-            let _before = self.closed_for_room.fetch_add(1, Ordering::Relaxed);
-        }
+        let Some(standing) = choose(&mut candidates).and_then(|id| entries.get(&id)) else {
+            return false;
+        };
+        standing.close();
+        let _before = self.closed_for_room.fetch_add(1, Ordering::Relaxed);
+        true
     }
 
     /// Closes the oldest connection of a host that keeps the server waiting, where the host has enough of them.
@@ -106,22 +119,30 @@ impl Table {
         let now = millis_since(self.epoch);
         let entries = self.entries();
         let mut waiting = 0;
-        let mut oldest: Option<(u64, &Arc<Standing>)> = None;
+        let mut oldest: Option<(Seen, &Arc<Standing>)> = None;
         for standing in entries.values() {
             if standing.host != host || standing.is_closing() {
                 continue;
             }
             let seen = standing.seen();
-            if seen.dispensable(now) == Some(Dispensable::Waiting) {
+            let kind = seen.dispensable(now);
+            if matches!(kind, Some(Dispensable::Waiting | Dispensable::Fresh)) {
                 waiting += 1;
-                if oldest.is_none_or(|(since, _)| seen.since < since) {
-                    oldest = Some((seen.since, standing));
+                if oldest.is_none_or(|(oldest, _)| seen.since < oldest.since) {
+                    oldest = Some((seen, standing));
                 }
             }
         }
-        if let Some((_, standing)) = oldest
-            && waiting >= self.limits.max_waiting_per_address
-        {
+        let Some((seen, standing)) = oldest else {
+            return;
+        };
+        // Many who arrive at the same moment behind one address are not yet slow.
+        let share = match seen.dispensable(now) {
+            Some(Dispensable::Fresh) => self.places / 2,
+            _ => 0,
+        }
+        .max(self.limits.max_waiting_per_address);
+        if waiting >= share {
             standing.close();
             let _before = self.closed_for_room.fetch_add(1, Ordering::Relaxed);
         }
@@ -150,10 +171,23 @@ impl Table {
 
     fn close_late(&self) {
         let now = millis_since(self.epoch);
-        for standing in self.entries().values() {
-            if !standing.is_closing() && self.is_late(standing.seen(), now) {
+        let entries = self.entries();
+        let mut waiting = Vec::new();
+        for standing in entries.values().filter(|standing| !standing.is_closing()) {
+            let seen = standing.seen();
+            if self.is_late(seen, now) {
                 standing.close();
                 let _before = self.closed_late.fetch_add(1, Ordering::Relaxed);
+            } else if seen.dispensable(now) == Some(Dispensable::Waiting) {
+                waiting.push((standing.host, Reverse(seen.since), standing));
+            }
+        }
+        // Those who all came in the same moment and turned out to be slow: the newest of each host stay.
+        waiting.sort_unstable_by_key(|(host, since, _)| (*host, *since));
+        for of_host in waiting.chunk_by(|one, next| one.0 == next.0) {
+            for (_, _, standing) in of_host.iter().skip(self.limits.max_waiting_per_address) {
+                standing.close();
+                let _before = self.closed_for_room.fetch_add(1, Ordering::Relaxed);
             }
         }
     }
@@ -167,7 +201,9 @@ impl Table {
             .blocked_since
             .is_some_and(|since| over(since, limits.write_timeout));
         match seen.phase {
-            Phase::Arriving | Phase::Head => over(seen.since, limits.header_timeout),
+            Phase::Accepted | Phase::Arriving | Phase::Head => {
+                over(seen.since, limits.header_timeout)
+            }
             Phase::Idle => over(seen.since, limits.idle_timeout),
             // What takes a byte now and then is not stalled, but has no more time than any request.
             Phase::Answering | Phase::Sent => {
@@ -201,5 +237,6 @@ impl Table {
 impl Drop for Seat {
     fn drop(&mut self) {
         drop(self.table.entries().remove(&self.id));
+        self.table.ended.notify_one();
     }
 }
