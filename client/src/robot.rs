@@ -2,7 +2,7 @@ use std::time::Duration;
 
 use api::{
     ForwardBody, ForwardResult, InverseBody, InverseResult, Motion, MotionBody, MotionList,
-    RobotDescription, RobotState,
+    MotionPreview, RobotDescription, RobotState, SpeedOverride, StopBody, StopResult,
 };
 use serde::Serialize;
 use uuid::Uuid;
@@ -149,6 +149,81 @@ impl Robot {
             None => exchange,
         };
         exchange.body(body).json().await
+    }
+
+    /// What a motion would be; nothing is sent. Its `plan_id` makes a motion that is exactly this one.
+    ///
+    /// # Errors
+    /// A problem if the body does not fit; else as [`Robot::describe`].
+    pub async fn preview_motion(&self, body: &MotionBody) -> Result<MotionPreview, ClientError> {
+        self.post(&["motions", "preview"], Effect::Question)
+            .body(body)
+            .json()
+            .await
+    }
+
+    /// Takes a motion back.
+    ///
+    /// # Errors
+    /// A problem `wrong-motion-state` if it came to another end; else as [`Robot::create_motion`].
+    pub async fn cancel_motion(&self, id: Uuid) -> Result<Motion, ClientError> {
+        self.command_on_motion(id, "cancel").await
+    }
+
+    /// Holds the running motion.
+    ///
+    /// # Errors
+    /// A problem `wrong-motion-state` if it does not run; else as [`Robot::create_motion`].
+    pub async fn pause_motion(&self, id: Uuid) -> Result<Motion, ClientError> {
+        self.command_on_motion(id, "pause").await
+    }
+
+    /// Lets a motion on hold go on.
+    ///
+    /// # Errors
+    /// As [`Robot::pause_motion`].
+    pub async fn resume_motion(&self, id: Uuid) -> Result<Motion, ClientError> {
+        self.command_on_motion(id, "resume").await
+    }
+
+    async fn command_on_motion(&self, id: Uuid, what: &str) -> Result<Motion, ClientError> {
+        let effect = Effect::Command(self.http.timeouts.command);
+        self.post(&["motions", &id.to_string(), what], effect)
+            .json()
+            .await
+    }
+
+    /// Stops the robot. It is a functional stop; the answer says whether the arm stops or nothing more is sent.
+    ///
+    /// # Errors
+    /// A problem `stop-unconfirmed` if the controller does not confirm it; else as [`Robot::create_motion`].
+    pub async fn stop(&self, body: StopBody) -> Result<StopResult, ClientError> {
+        let effect = Effect::Command(self.http.timeouts.command);
+        self.post(&["stop"], effect).body(&body).json().await
+    }
+
+    /// The controller's general speed override.
+    ///
+    /// # Errors
+    /// A problem `not-supported` if it does not report it; else as [`Robot::describe`].
+    pub async fn speed_override(&self) -> Result<SpeedOverride, ClientError> {
+        self.get(&["speed-override"]).json().await
+    }
+
+    /// Sets the controller's general speed override.
+    ///
+    /// # Errors
+    /// A problem `not-supported` if it cannot be told; else as [`Robot::create_motion`].
+    pub async fn set_speed_override(
+        &self,
+        body: SpeedOverride,
+    ) -> Result<SpeedOverride, ClientError> {
+        let effect = Effect::Command(self.http.timeouts.command);
+        self.http
+            .put(&self.path(&["speed-override"]), effect)
+            .body(&body)
+            .json()
+            .await
     }
 
     /// One motion and what became of it.

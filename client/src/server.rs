@@ -1,8 +1,13 @@
-use api::{CellSummary, LegacyVersion, Liveness, Readiness, RobotSummary};
+use api::{
+    CellSummary, Intervention, InterventionList, LegacyVersion, Liveness, Readiness, RespondBody,
+    RobotSummary,
+};
 use reqwest::StatusCode;
+use uuid::Uuid;
 
 use crate::http::{Effect, Exchange, Http};
-use crate::{ClientError, Robot, Timeouts};
+use crate::robot::KEY;
+use crate::{Ask, ClientError, Robot, Timeouts};
 
 /// The server's HTTP API. Cheap to clone.
 ///
@@ -70,6 +75,37 @@ impl Client {
     /// A problem `not-found` if there is no such cell; else as all calls.
     pub async fn robots(&self, cell: &str) -> Result<Vec<RobotSummary>, ClientError> {
         self.question(&["api", "v1", "cells", cell, "robots"])
+            .json()
+            .await
+    }
+
+    /// What waits for a person's answer in a cell.
+    ///
+    /// # Errors
+    /// A problem `not-found` if there is no such cell; else as all calls.
+    pub async fn interventions(&self, cell: &str) -> Result<InterventionList, ClientError> {
+        self.question(&["api", "v1", "cells", cell, "interventions"])
+            .json()
+            .await
+    }
+
+    /// Answers what waits for a person, once and for good. The same answer with the same key is taken once.
+    ///
+    /// # Errors
+    /// A problem `already-answered` if somebody gave another answer; else as all calls.
+    pub async fn respond(
+        &self,
+        cell: &str,
+        id: Uuid,
+        body: &RespondBody,
+        ask: &Ask,
+    ) -> Result<Intervention, ClientError> {
+        let id = id.to_string();
+        let path = ["api", "v1", "cells", cell, "interventions", &id, "respond"];
+        self.http
+            .post(&path, Effect::Command(self.http.timeouts.command))
+            .header(KEY, &ask.key())
+            .body(body)
             .json()
             .await
     }

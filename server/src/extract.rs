@@ -37,6 +37,23 @@ impl<T: DeserializeOwned> FromRequest<Arc<App>> for JsonBody<T> {
     }
 }
 
+/// A JSON body that may be left out.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct OptionalJson<T>(pub(crate) Option<T>);
+
+impl<T: DeserializeOwned> FromRequest<Arc<App>> for OptionalJson<T> {
+    type Rejection = Problem;
+
+    async fn from_request(request: Request, app: &Arc<App>) -> Result<Self, Problem> {
+        let none = hyper::body::Body::is_end_stream(request.body());
+        if none {
+            return Ok(Self(None));
+        }
+        let body = read_json(request, &app.server).await?;
+        Ok(Self(Some(body)))
+    }
+}
+
 /// Why a body was not taken.
 #[derive(Debug, Error)]
 pub(crate) enum BodyError {

@@ -10,6 +10,7 @@ use std::fmt;
 use std::sync::{PoisonError, RwLock};
 use std::time::Duration;
 
+use api::LinkState;
 use axum::http::{Method, StatusCode};
 use metrics::{
     Counter, Gauge, Histogram, Key, KeyName, Label, Level, Metadata, Recorder as _, Unit,
@@ -20,7 +21,8 @@ use metrics_exporter_prometheus::{
 use protocol::Reply;
 
 use crate::config::RobotPlan;
-use crate::link::LinkError;
+use crate::link::cell_server::MotionEnd;
+use crate::link::{LinkError, cell_server};
 
 const HTTP_REQUESTS: &str = "robocell_http_requests_total";
 const HTTP_SECONDS: &str = "robocell_http_request_duration_seconds";
@@ -28,6 +30,8 @@ const LINK_COMMANDS: &str = "robocell_link_commands_total";
 const LINK_CONNECT_SECONDS: &str = "robocell_link_connect_duration_seconds";
 const LINK_REPLY_SECONDS: &str = "robocell_link_reply_duration_seconds";
 const LINK_QUEUED: &str = "robocell_link_queued_commands";
+const CONTROLLER_STATE: &str = "cell_controller_link_state";
+const CONTROLLER_RTT: &str = "cell_controller_rtt_seconds";
 
 /// Bounds of the histograms in seconds: from a local exchange to a command at its deadline.
 const BUCKETS: [f64; 12] = [
@@ -131,6 +135,34 @@ impl Metrics {
         }
     }
 
+    /// The counts of the link to a robot's `cell_server` controller.
+    pub(crate) fn controller_link(&self, plan: &RobotPlan) -> ControllerMetrics {
+        let labels = || {
+            vec![
+                Label::new("cell", plan.cell.clone()),
+                Label::new("robot", plan.id.clone()),
+            ]
+        };
+        let outcome = |outcome| {
+            let mut labels = labels();
+            labels.push(Label::from_static_parts("outcome", outcome));
+            self.counter(LINK_COMMANDS, labels)
+        };
+        let gauge = |name: &'static str| {
+            let key = Key::from_parts(name, labels());
+            self.recorder.register_gauge(&key, &METADATA)
+        };
+        ControllerMetrics {
+            ended: ["arrived", "rejected", "interrupted"].map(|label| (label, outcome(label))),
+            failed: cell_server::LinkError::METRIC_LABELS.map(|label| (label, outcome(label))),
+            connect: self.histogram(LINK_CONNECT_SECONDS, labels()),
+            reply: self.histogram(LINK_REPLY_SECONDS, labels()),
+            round_trip: self.histogram(CONTROLLER_RTT, labels()),
+            queued: gauge(LINK_QUEUED),
+            state: gauge(CONTROLLER_STATE),
+        }
+    }
+
     /// All counts in the text format.
     pub(crate) fn render(&self) -> String {
         self.handle.render()
@@ -190,10 +222,19 @@ fn describe(recorder: &PrometheusRecorder) {
         LINK_REPLY_SECONDS,
         "From the command to the controller's reply.",
     );
+    seconds(
+        CONTROLLER_RTT,
+        "From a line on a controller's status port to its answer.",
+    );
     recorder.describe_gauge(
         KeyName::from_const_str(LINK_QUEUED),
         None,
         "Commands waiting for a controller's link.".into(),
+    );
+    recorder.describe_gauge(
+        KeyName::from_const_str(CONTROLLER_STATE),
+        None,
+        "The state of a controller's link: 0 disconnected, 1 connecting, 2 degraded, 3 monitor, 4 control.".into(),
     );
 }
 
@@ -251,5 +292,68 @@ impl LinkMetrics {
     )]
     pub(crate) fn queued(&self, depth: usize) {
         self.queued.set(depth as f64);
+    }
+}
+
+/// The counts of the link to one robot's `cell_server` controller.
+#[derive(Clone, Debug)]
+pub(crate) struct ControllerMetrics {
+    ended: [(&'static str, Counter); 3],
+    failed: [(&'static str, Counter); cell_server::LinkError::METRIC_LABELS.len()],
+    connect: Histogram,
+    reply: Histogram,
+    round_trip: Histogram,
+    queued: Gauge,
+    state: Gauge,
+}
+
+impl ControllerMetrics {
+    /// From a command's turn to the controller's greeting.
+    pub(crate) fn connected(&self, took: Duration) {
+        self.connect.record(took.as_secs_f64());
+    }
+
+    /// From the command to the controller's acceptance.
+    pub(crate) fn replied(&self, took: Duration) {
+        self.reply.record(took.as_secs_f64());
+    }
+
+    /// From a line on the status port to its answer.
+    pub(crate) fn round_trip(&self, took: Duration) {
+        self.round_trip.record(took.as_secs_f64());
+    }
+
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "a queue holds a thousand at most"
+    )]
+    pub(crate) fn queued(&self, depth: usize) {
+        self.queued.set(depth as f64);
+    }
+
+    pub(crate) fn state(&self, state: LinkState) {
+        self.state.set(match state {
+            LinkState::Disconnected
+            | LinkState::Untried
+            | LinkState::Busy
+            | LinkState::Answering => 0.0,
+            LinkState::Connecting => 1.0,
+            LinkState::Degraded => 2.0,
+            LinkState::Monitor => 3.0,
+            LinkState::Control => 4.0,
+        });
+    }
+
+    pub(crate) fn ended(&self, end: &MotionEnd) {
+        let label = match end {
+            MotionEnd::Arrived { .. } => "arrived",
+            MotionEnd::Rejected { .. } => "rejected",
+            MotionEnd::Interrupted { .. } => "interrupted",
+            MotionEnd::NotSent { error } | MotionEnd::InDoubt { error, .. } => error.metric_label(),
+        };
+        let counters = self.ended.iter().chain(&self.failed);
+        for (_, counter) in counters.filter(|(known, _)| *known == label) {
+            counter.increment(1);
+        }
     }
 }

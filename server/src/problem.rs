@@ -58,7 +58,10 @@ impl Problem {
         &self.0.body.detail
     }
 
-    #[cfg(test)]
+    pub(crate) fn list(&self) -> &[Violation] {
+        &self.0.body.violations
+    }
+
     pub(crate) fn code(&self) -> ProblemCode {
         self.0.body.code
     }

@@ -1,6 +1,7 @@
 use std::sync::Arc;
 
 use ::journal::ReadError;
+use api::{LinkState, Tier};
 use metrics_exporter_prometheus::BuildError;
 use thiserror::Error;
 use tokio::sync::Semaphore;
@@ -10,6 +11,7 @@ use tokio_util::task::TaskTracker;
 use crate::clock::WallClock;
 use crate::config::{Plan, RobotPlan, ServerPlan};
 use crate::journal::SharedJournal;
+use crate::link::cell_server::{self, CellServerLink, CellServerPlan};
 use crate::link::{self, Connector, Link, Owner};
 use crate::metrics::{LinkMetrics, Metrics};
 use crate::motions::{self, InFlight, Motions};
@@ -39,9 +41,41 @@ pub(crate) struct Cell {
 #[derive(Debug)]
 pub(crate) struct Robot {
     pub(crate) plan: Arc<RobotPlan>,
-    pub(crate) link: Link,
+    pub(crate) link: RobotLink,
     pub(crate) motions: Arc<Motions>,
     pub(crate) metrics: LinkMetrics,
+}
+
+/// The way to a robot's controller, by the program on it.
+#[derive(Clone, Debug)]
+pub(crate) enum RobotLink {
+    Seed(Link),
+    CellServer(CellServerLink),
+}
+
+impl RobotLink {
+    /// Orders waiting, and how many may.
+    pub(crate) fn depth(&self) -> (usize, usize) {
+        match self {
+            Self::Seed(link) => link.depth(),
+            Self::CellServer(link) => link.depth(),
+        }
+    }
+
+    /// Whether the link takes orders.
+    pub(crate) fn is_running(&self) -> bool {
+        match self {
+            Self::Seed(link) => link.is_running(),
+            Self::CellServer(link) => link.is_running(),
+        }
+    }
+
+    pub(crate) fn state(&self) -> LinkState {
+        match self {
+            Self::Seed(link) => link.status().state,
+            Self::CellServer(link) => link.view().state,
+        }
+    }
 }
 
 /// What the server is given from outside, so that a test can give something else.
@@ -85,15 +119,29 @@ impl App {
                 journal.clone(),
                 tracker.clone(),
             ));
+            let controller = metrics.controller_link(&plan);
             let metrics = metrics.link(&plan);
-            let owner = Owner {
-                plan: Arc::clone(&plan),
-                motions: Arc::clone(&motions),
-                connector: Arc::clone(&connector),
-                metrics: metrics.clone(),
+            let link = match plan.tier {
+                Tier::Seed | Tier::SeedStatus => {
+                    let owner = Owner {
+                        plan: Arc::clone(&plan),
+                        motions: Arc::clone(&motions),
+                        connector: Arc::clone(&connector),
+                        metrics: metrics.clone(),
+                    };
+                    RobotLink::Seed(link::spawn(owner, tracker, stop.clone()))
+                }
+                Tier::CellServer => RobotLink::CellServer(cell_server::spawn(
+                    CellServerPlan::of(&plan, controller),
+                    Arc::clone(&connector),
+                    Arc::clone(&motions),
+                    journal.epoch().0,
+                    tracker,
+                    stop.clone(),
+                )),
             };
             Arc::new(Robot {
-                link: link::spawn(owner, tracker, stop.clone()),
+                link,
                 plan,
                 motions,
                 metrics,
@@ -116,6 +164,12 @@ impl App {
         motions::recover(&journal, &all)
             .await
             .map_err(StartError::Journal)?;
+        for robot in cells.iter().flat_map(|cell: &Cell| &cell.robots) {
+            if let RobotLink::CellServer(link) = &robot.link {
+                let motions = Arc::clone(&robot.motions);
+                drop(tracker.spawn(motions.reconcile(link.clone(), stop.clone())));
+            }
+        }
         let (cell, robot) = plan.legacy;
         let legacy = cells.get(cell).and_then(|cell| cell.robots.get(robot));
         let Some(legacy) = legacy.map(Arc::clone) else {

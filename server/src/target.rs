@@ -89,6 +89,13 @@ impl RobotPlan {
         self.frames.tcp_in_user_frame(&self.model.forward(joints))
     }
 
+    /// A target as the wire carries it, in thousandths, and the joints there, checked.
+    pub(crate) fn solve_point(&self, point: &Xyzwpr) -> Result<([i32; 6], Solution), Refusal> {
+        let slowest = MmPerSec(f64::from(MIN_SPEED));
+        let (wire, solution) = self.solve(point, slowest)?;
+        Ok((wire.thousandths(), solution))
+    }
+
     fn solve(&self, point: &Xyzwpr, speed: MmPerSec) -> Result<(WireMove, Solution), Refusal> {
         let range = f64::from(MIN_SPEED)..=f64::from(self.max_speed);
         if !range.contains(&speed.0) || speed.0.fract() != 0.0 {

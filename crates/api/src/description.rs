@@ -9,6 +9,71 @@ use crate::{JointsBody, PoseBody};
 pub enum Tier {
     /// Tier 0: the seed program. Single motions end `accepted`; completion is not observable.
     Seed,
+    /// Tier 1: the seed program and a read-only status program. Completion is read back; nothing stops a motion.
+    SeedStatus,
+    /// Tier 2: the `cell_server` program. Motions are numbered, finish observably, and can be stopped.
+    CellServer,
+}
+
+/// What a stop does on a robot. It is a functional stop and no emergency stop.
+#[derive(Clone, Copy, Debug, Deserialize, Eq, PartialEq, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum StopEffect {
+    /// The server sends nothing more; a motion the controller has taken runs to its end.
+    IssuesNothingMore,
+    /// The running motion ends by a controlled deceleration.
+    HaltsMotion,
+}
+
+/// What the server can do with a robot, by its controller's program.
+#[derive(Clone, Copy, Debug, Deserialize, Eq, PartialEq, Serialize, ToSchema)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a capability of its own, as the API shows them"
+)]
+pub struct Capabilities {
+    /// What a stop does.
+    pub stop_effect: StopEffect,
+    /// Whether the end of a motion is observed, not assumed.
+    pub completion_observable: bool,
+    /// Whether the controller reports where it stands.
+    pub pose_reported: bool,
+    /// Whether a running motion can be held and continued.
+    pub hold_and_continue: bool,
+    /// Whether the speed override can be set.
+    pub speed_override: bool,
+    /// Whether motions along a straight line can be asked for.
+    pub linear_motion: bool,
+    /// Whether digital outputs can be set and inputs read.
+    pub digital_io: bool,
+}
+
+impl Tier {
+    /// What this tier can do.
+    #[must_use]
+    pub fn capabilities(self) -> Capabilities {
+        let observes = match self {
+            Self::Seed => false,
+            Self::SeedStatus | Self::CellServer => true,
+        };
+        let commands = match self {
+            Self::Seed | Self::SeedStatus => false,
+            Self::CellServer => true,
+        };
+        Capabilities {
+            stop_effect: if commands {
+                StopEffect::HaltsMotion
+            } else {
+                StopEffect::IssuesNothingMore
+            },
+            completion_observable: observes,
+            pose_reported: observes,
+            hold_and_continue: commands,
+            speed_override: commands,
+            linear_motion: commands,
+            digital_io: commands,
+        }
+    }
 }
 
 /// A cell and its robots.
@@ -50,6 +115,8 @@ pub struct RobotDescription {
     pub manufacturer: String,
     /// What its controller can promise.
     pub tier: Tier,
+    /// What the server can do with it.
+    pub capabilities: Capabilities,
     /// Where the controller's socket server listens.
     pub controller_address: String,
     /// The joints, J1 first.

@@ -4,6 +4,7 @@
 //! arrived; whoever reads them converts to the checked types of `units` and `kinematics` before using them.
 //! Requests refuse unknown and duplicate keys; answers may grow, so clients ignore keys they do not know.
 
+mod control;
 mod description;
 mod health;
 mod intervention;
@@ -14,7 +15,10 @@ mod pose;
 mod problem;
 mod state;
 
-pub use description::{CellSummary, JointDescription, RobotDescription, RobotSummary, Tier};
+pub use control::{MotionPreview, SpeedOverride, StopBody, StopCategory, StopResult};
+pub use description::{
+    Capabilities, CellSummary, JointDescription, RobotDescription, RobotSummary, StopEffect, Tier,
+};
 pub use health::{JournalReadiness, LinkReadiness, Liveness, Readiness};
 pub use intervention::{
     AllowedAnswer, Intervention, InterventionKind, InterventionList, InterventionState, RespondBody,
@@ -33,4 +37,4 @@ pub use motion::{
 };
 pub use pose::{JointsBody, PoseBody};
 pub use problem::{Outcome, Problem, ProblemCode, ProblemKind, Violation};
-pub use state::{LinkState, LinkStatus, PoseSource, RobotState};
+pub use state::{ControllerState, LinkState, LinkStatus, OperationalMode, PoseSource, RobotState};

@@ -206,6 +206,22 @@ problem_codes! {
     WrongMotionState, "wrong-motion-state", 409, "The motion's state does not allow this";
     /// Somebody has answered the intervention.
     AlreadyAnswered, "already-answered", 409, "The intervention was answered";
+    /// Mode, pendant, hold, alarm, override, frames: the controller would not or should not take a motion now.
+    ControllerNotReady, "controller-not-ready", 409, "The controller is not ready for motions";
+    /// The command was numbered before the controller was fenced anew.
+    StaleEpoch, "stale-epoch", 409, "The command belongs to an earlier time of the link";
+    /// A stop came before the command was sent.
+    StoppedBeforeSent, "stopped-before-sent", 409, "A stop came before the command was sent";
+    /// The stop did not reach the controller, or the controller did not confirm it.
+    StopUnconfirmed, "stop-unconfirmed", 503, "The controller has not confirmed the stop";
+    /// The controller was started again while a motion was in flight.
+    ControllerRestarted, "controller-restarted", 409, "The controller was started again";
+    /// A motion was accepted, and stands still without having finished.
+    MotionUnfinished, "motion-unfinished", 409, "The motion stands still without having finished";
+    /// The controller says arrived, and stands elsewhere.
+    PoseMismatch, "pose-mismatch", 409, "The arm does not stand where it should";
+    /// The controller accepted a later command than the one asked about.
+    MotionOvertaken, "motion-overtaken", 409, "Another command came after the motion";
 }
 
 // By hand: the derived schema does not see a name that a macro gives, and would list the variants.

@@ -109,6 +109,23 @@ pub enum Broken {
     },
 }
 
+impl Broken {
+    /// The first record that does not hold: missing, not what was written, or not where it belongs.
+    #[must_use]
+    pub fn position(&self) -> Position {
+        match self {
+            Self::Missing { expected, .. } => *expected,
+            Self::Truncated { found, .. } => found.next(),
+            Self::Doubled { found, .. } | Self::BehindHead { found, .. } => *found,
+            Self::WrongPrevious { position }
+            | Self::WrongHash { position }
+            | Self::Unreadable { position, .. }
+            | Self::Misplaced { position, .. }
+            | Self::Replaced { position } => *position,
+        }
+    }
+}
+
 impl Head {
     /// The head of an empty journal.
     pub const EMPTY: Self = Self {

@@ -59,6 +59,8 @@ fn asked_intent() -> Record {
         speed_percent: Some(20),
         not_after: Some(at(9).wall),
         wire_epoch: Some(1_000),
+        boot: Some(7),
+        to_joints: true,
         from: Some(intent.target),
     }));
     Record::Intent(Box::new(intent))

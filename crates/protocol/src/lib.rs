@@ -1,4 +1,5 @@
-//! The byte protocol of the seed KAREL socket server, both directions.
+//! The byte protocols of the KAREL programs on controllers, both directions: here the seed program's, in [`v2`] that of
+//! `cell_server`.
 //!
 //! A client connects, writes one command and reads one reply; the controller then closes the connection.
 //!
@@ -32,6 +33,7 @@ mod bytes;
 mod command;
 mod decode;
 mod reply;
+pub mod v2;
 
 pub use bytes::{CommandBytes, MAX_COMMAND_BYTES};
 pub use command::{CommandError, Item, MAX_SPEED, MIN_SPEED, MoveCommand, WireMove};

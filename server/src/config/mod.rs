@@ -10,6 +10,7 @@ use serde::Deserialize;
 pub(crate) use plan::MAX_DEADLINE_MS;
 pub use plan::{ConfigError, Plan, ServerPlan};
 pub use robot::{CellPlan, RobotPlan};
+pub(crate) use robot::{FrameNumbers, Tolerance};
 
 /// `[server]`: the listener and its limits.
 #[derive(Clone, Debug, Deserialize, PartialEq)]
@@ -113,6 +114,25 @@ pub struct RobotSection {
     /// What the program on the controller can promise.
     #[serde(default = "seed_tier")]
     pub tier: api::Tier,
+    /// Where the controller's status program listens, `host:port`; `controller` with the next port where absent.
+    /// A seed controller has none.
+    #[serde(default)]
+    pub status_controller: Option<String>,
+    /// How far from its target a motion may end, in millimeters.
+    #[serde(default = "position_tolerance_mm")]
+    pub position_tolerance_mm: f64,
+    /// How far turned from its target, and how far from its joint values, a motion may end, in degrees.
+    #[serde(default = "rotation_tolerance_deg")]
+    pub rotation_tolerance_deg: f64,
+    /// The number of the user frame that must be active on the controller; any where absent.
+    #[serde(default)]
+    pub user_frame_number: Option<u8>,
+    /// The number of the tool that must be active on the controller; any where absent.
+    #[serde(default)]
+    pub tool_number: Option<u8>,
+    /// How much faster than real time the controller's clock runs: more than 1 for an emulator in fast motion only.
+    #[serde(default = "time_scale")]
+    pub time_scale: f64,
     /// The configuration the controller's program keeps.
     #[serde(default = "front_flip_up")]
     pub configuration: String,
@@ -152,6 +172,12 @@ impl RobotSection {
             model: model.into(),
             controller: controller.into(),
             tier: seed_tier(),
+            status_controller: None,
+            position_tolerance_mm: position_tolerance_mm(),
+            rotation_tolerance_deg: rotation_tolerance_deg(),
+            user_frame_number: None,
+            tool_number: None,
+            time_scale: time_scale(),
             configuration: front_flip_up(),
             tool: FrameSection::default(),
             user_frame: FrameSection::default(),
@@ -184,6 +210,18 @@ pub struct FrameSection {
 
 fn seed_tier() -> api::Tier {
     api::Tier::Seed
+}
+
+fn position_tolerance_mm() -> f64 {
+    0.5
+}
+
+fn rotation_tolerance_deg() -> f64 {
+    0.1
+}
+
+fn time_scale() -> f64 {
+    1.0
 }
 
 fn front_flip_up() -> String {

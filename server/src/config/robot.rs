@@ -25,6 +25,12 @@ pub struct RobotPlan {
     pub(crate) model: &'static ArmModel,
     pub(crate) controller: ControllerAddress,
     pub(crate) tier: api::Tier,
+    /// Where the controller's status program listens; unused at tier 0.
+    pub(crate) status_controller: ControllerAddress,
+    pub(crate) tolerance: Tolerance,
+    pub(crate) frame_numbers: FrameNumbers,
+    /// Seconds of the controller's clock in a second.
+    pub(crate) time_scale: f64,
     pub(crate) configuration: Configuration,
     pub(crate) frames: Frames,
     pub(crate) max_speed: u16,
@@ -32,6 +38,21 @@ pub struct RobotPlan {
     pub(crate) connect_timeout: Duration,
     pub(crate) reply_timeout: Duration,
     pub(crate) deadline: Duration,
+}
+
+/// How far from its target a motion may end and still have arrived.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tolerance {
+    pub(crate) position: Millimeters,
+    /// Of the orientation, and of each joint.
+    pub(crate) rotation: Degrees,
+}
+
+/// The numbers of the frames that must be active on the controller; `None` takes any.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct FrameNumbers {
+    pub(crate) user_frame: Option<u8>,
+    pub(crate) tool: Option<u8>,
 }
 
 impl CellPlan {
@@ -61,7 +82,9 @@ impl RobotPlan {
     /// What can be known of a motion's end.
     pub(crate) fn completion(&self) -> api::Completion {
         match self.tier {
-            api::Tier::Seed => api::Completion::NotObservable,
+            // Nothing reads the status program of tier 1 yet.
+            api::Tier::Seed | api::Tier::SeedStatus => api::Completion::NotObservable,
+            api::Tier::CellServer => api::Completion::Observable,
         }
     }
 
@@ -76,17 +99,64 @@ impl RobotPlan {
             u64::from(protocol::MIN_SPEED),
             u64::from(protocol::MAX_SPEED),
         )?;
+        let controller: ControllerAddress = section
+            .controller
+            .parse()
+            .map_err(|error| ConfigError::new(at("controller"), format!("{error}")))?;
+        let status_controller = match (&section.status_controller, section.tier) {
+            (Some(_), api::Tier::Seed) => {
+                return Err(ConfigError::new(
+                    at("status_controller"),
+                    "a controller of tier `seed` has no status program".to_owned(),
+                ));
+            }
+            (Some(address), _) => address
+                .parse()
+                .map_err(|error| ConfigError::new(at("status_controller"), format!("{error}")))?,
+            (None, api::Tier::Seed) => controller.clone(),
+            (None, _) => controller.next_port().ok_or_else(|| {
+                ConfigError::new(
+                    at("status_controller"),
+                    format!("is absent, and there is no port after that of `{controller}`"),
+                )
+            })?,
+        };
+        let between = |name: &str, value: f64, min: f64, max: f64| {
+            if (min..=max).contains(&value) {
+                Ok(value)
+            } else {
+                let problem = format!("{value} is not a number of {min} to {max}");
+                Err(ConfigError::new(at(name), problem))
+            }
+        };
         Ok(Self {
             cell: cell.to_owned(),
             name: section.name.clone().unwrap_or_else(|| robot.clone()),
             id: robot,
             model: ArmModel::builtin(&section.model)
                 .ok_or_else(|| unknown_model(at("model"), &section.model))?,
-            controller: section
-                .controller
-                .parse()
-                .map_err(|error| ConfigError::new(at("controller"), format!("{error}")))?,
+            controller,
             tier: section.tier,
+            status_controller,
+            tolerance: Tolerance {
+                position: Millimeters(between(
+                    "position_tolerance_mm",
+                    section.position_tolerance_mm,
+                    0.001,
+                    100.0,
+                )?),
+                rotation: Degrees(between(
+                    "rotation_tolerance_deg",
+                    section.rotation_tolerance_deg,
+                    0.001,
+                    45.0,
+                )?),
+            },
+            frame_numbers: FrameNumbers {
+                user_frame: section.user_frame_number,
+                tool: section.tool_number,
+            },
+            time_scale: between("time_scale", section.time_scale, 0.01, 1_000.0)?,
             configuration: section.configuration.parse().map_err(|error| {
                 ConfigError::new(
                     at("configuration"),

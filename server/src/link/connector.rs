@@ -41,6 +41,22 @@ pub enum ControllerAddress {
     },
 }
 
+impl ControllerAddress {
+    /// The same host, one port on; `None` after the last port.
+    pub(crate) fn next_port(&self) -> Option<Self> {
+        Some(match self {
+            Self::Numeric(address) => {
+                let port = address.port().checked_add(1)?;
+                Self::Numeric(SocketAddr::new(address.ip(), port))
+            }
+            Self::Named { host, port } => Self::Named {
+                host: host.clone(),
+                port: port.checked_add(1)?,
+            },
+        })
+    }
+}
+
 impl FromStr for ControllerAddress {
     type Err = AddressError;
 

@@ -4,6 +4,7 @@
 //! is known of it when no answer tells. A caller that goes away does not take its command with it: the command is
 //! carried out and recorded, because from outside it cannot be told how far it had come.
 
+pub(crate) mod cell_server;
 mod connector;
 mod error;
 mod owner;

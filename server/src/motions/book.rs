@@ -134,9 +134,14 @@ impl Book {
     }
 
     pub(crate) fn get(&self, id: Uuid) -> Option<Record> {
+        self.look(id, Record::clone)
+    }
+
+    /// What `look` sees in a motion.
+    pub(crate) fn look<T>(&self, id: Uuid, look: impl FnOnce(&Record) -> T) -> Option<T> {
         let kept = self.lock();
         let index = kept.position(id)?;
-        kept.records.get(index).cloned()
+        kept.records.get(index).map(look)
     }
 
     /// Up to `limit` motions, newest first, all older than `before`, and whether there are more.
@@ -172,11 +177,6 @@ impl Book {
     /// The motions that are not at their end.
     pub(crate) fn open(&self) -> Vec<Uuid> {
         self.those(|progress| progress.end().is_none())
-    }
-
-    /// The newest motion.
-    pub(crate) fn newest(&self) -> Option<Uuid> {
-        self.lock().records.back().map(|record| record.id)
     }
 
     /// How often anything here has changed.
@@ -308,6 +308,7 @@ mod tests {
                 point: [1_000, 2_000, 3_000, 4_000, 5_000, 6_000],
                 speed: Speed::MmPerSec(7),
                 joints: ArmModel::builtin("fanuc-m20ia").unwrap().home(),
+                to_joints: false,
                 from: None,
             },
             request_id: RequestId::of(&HeaderMap::new(), || Timestamp::UNIX_EPOCH),

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 use api::ProblemCode;
 use journal::{MotionPhase, Position, ReadError};
@@ -99,6 +100,15 @@ impl Motions {
     async fn take_up(&self, record: Record, phase: MotionPhase, story: &journal::MotionStory) {
         match phase {
             MotionPhase::Open | MotionPhase::Accepted => {
+                let accepted = phase == MotionPhase::Accepted;
+                if self.plan.tier == api::Tier::CellServer
+                    && let journal::Record::Intent(intent) = &story.intent.record
+                    && let Some(leftover) = self.leftover(&record, intent, accepted)
+                {
+                    self.leftovers().push(leftover);
+                    let _before = self.recovering.fetch_add(1, Ordering::AcqRel);
+                    return;
+                }
                 let end = End::InDoubt {
                     code: ProblemCode::ServerRestarted,
                     text: None,

@@ -12,7 +12,7 @@ use kinematics::PendantJoints;
 use uuid::Uuid;
 
 use super::record::{Asked, End, Progress, Record, Speed, target_of, thousandths_of};
-use super::{Motions, book};
+use super::{Door, Motions, book};
 use crate::request_id::RequestId;
 
 impl Motions {
@@ -20,7 +20,7 @@ impl Motions {
         &self,
         id: Uuid,
         entry: &book::Entry,
-        seq: u64,
+        door: &Door,
         claim: Option<Claim>,
     ) -> Intent {
         let asked = &entry.asked;
@@ -33,7 +33,7 @@ impl Motions {
             cell: self.plan.cell.clone(),
             robot: self.plan.id.clone(),
             epoch: self.journal.epoch(),
-            seq,
+            seq: door.number,
             target: target_of(asked.point),
             speed_um_s,
             // Every motion of the API is to an absolute pose; a relative one was resolved before it came here.
@@ -48,7 +48,9 @@ impl Motions {
                 joints_mdeg: asked.joints.degrees().map(mdeg),
                 speed_percent,
                 not_after: entry.not_after,
-                wire_epoch: None,
+                wire_epoch: door.wire_epoch,
+                boot: door.boot,
+                to_joints: asked.to_joints,
                 from: asked.from.map(target_of),
             })),
         }
@@ -61,6 +63,15 @@ pub(super) fn accepted(id: Uuid) -> Entry {
         motion: MotionId(id),
         text: protocol::Reply::Accepted.text().to_owned(),
         completion: Completion::NotObservable,
+    })
+}
+
+/// The record of an acceptance whose end will be known.
+pub(super) fn taken(id: Uuid) -> Entry {
+    Entry::Accepted(journal::Accepted {
+        motion: MotionId(id),
+        text: "ACK".to_owned(),
+        completion: Completion::Observable,
     })
 }
 
@@ -122,6 +133,7 @@ pub(super) fn restored(story: &MotionStory) -> Option<Record> {
             None => Speed::MmPerSec(u16::try_from(intent.speed_um_s / 1_000).ok()?),
         },
         joints: PendantJoints::from_degrees(more.joints_mdeg.map(degrees)),
+        to_joints: more.to_joints,
         from: more.from.as_ref().map(thousandths_of),
     };
     Some(Record {

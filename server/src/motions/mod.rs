@@ -10,15 +10,19 @@
 //! intent cannot be given to a link. Where the configuration names no journal, nothing outlives the process, and the
 //! thesis's own routes, which take no keys, leave the journal out.
 
+mod ask;
 mod book;
 mod doubts;
 mod history;
 mod idempotency;
 mod intent;
+mod numbered;
+mod plans;
 mod record;
 mod seed;
 
-use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex as StdMutex, MutexGuard, PoisonError};
 
 use api::ProblemCode;
 use jiff::Timestamp;
@@ -27,11 +31,15 @@ use tokio::sync::Mutex;
 use tokio_util::task::TaskTracker;
 use uuid::Uuid;
 
+pub(crate) use ask::{actual, joint_duration, line_duration, resolve};
 pub(crate) use book::{Book, Entry};
 pub(crate) use doubts::{Respond, RespondError, Responded, intervention};
 pub(crate) use history::recover;
 pub(crate) use idempotency::{InFlight, KeyGuard, RequestKey};
-pub(crate) use record::{Asked, End, Progress, Record};
+use numbered::Leftover;
+pub(crate) use numbered::Numbered;
+pub(crate) use plans::{KEPT as PLAN_KEPT, Plan, Planned, Plans};
+pub(crate) use record::{Asked, End, Progress, Record, Speed, point_of_thousandths};
 pub(crate) use seed::{Accepted, CommandFailure, Start, Started, no_base, problem_of};
 
 use crate::clock::WallClock;
@@ -46,9 +54,36 @@ pub(crate) struct Motions {
     journal: SharedJournal,
     tracker: TaskTracker,
     pub(crate) book: Book,
-    /// The number of the last intent. Whoever holds it is the only one whose motion goes to the journal and then to
+    /// How the last intent was numbered. Whoever holds it is the only one whose motion goes to the journal and then to
     /// the link, so that the order there is the order here.
-    door: Mutex<u64>,
+    door: Mutex<Door>,
+    /// What an earlier process left behind, until the controller has been asked.
+    leftovers: StdMutex<Vec<Leftover>>,
+    recovering: AtomicUsize,
+    /// How often a stop was asked for. A motion that came before the last one is not sent.
+    stops: AtomicU64,
+    pub(crate) plans: Plans,
+}
+
+/// How the last intent was numbered.
+#[derive(Debug, Default)]
+struct Door {
+    number: u64,
+    /// The epoch on the wire the number counts in, for a controller that keeps numbers.
+    wire_epoch: Option<u32>,
+    /// Which start of the controller it is.
+    boot: Option<u32>,
+}
+
+impl Door {
+    /// Numbers begin anew in each epoch of the wire.
+    fn enter_wire_epoch(&mut self, epoch: u32, boot: Option<u32>) {
+        if self.wire_epoch != Some(epoch) {
+            self.wire_epoch = Some(epoch);
+            self.number = 0;
+        }
+        self.boot = boot;
+    }
 }
 
 /// The permission to send one motion, once. It cannot be copied.
@@ -93,12 +128,22 @@ impl Motions {
             journal,
             tracker,
             book: Book::default(),
-            door: Mutex::new(0),
+            door: Mutex::new(Door::default()),
+            leftovers: StdMutex::new(Vec::new()),
+            recovering: AtomicUsize::new(0),
+            stops: AtomicU64::new(0),
+            plans: Plans::default(),
         }
     }
 
     pub(crate) fn now(&self) -> Timestamp {
         self.clock.now()
+    }
+
+    fn leftovers(&self) -> MutexGuard<'_, Vec<Leftover>> {
+        self.leftovers
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
     }
 
     pub(crate) fn journal(&self) -> &SharedJournal {
@@ -110,20 +155,20 @@ impl Motions {
         self.journal.keeps() == Keeps::OverRestarts
     }
 
-    /// Makes the intent of a motion durable and enters it in the book. `number` is the door's.
+    /// Makes the intent of a motion durable and enters it in the book.
     async fn begin(
         &self,
         entry: Entry,
         claim: Option<Claim>,
-        number: &mut u64,
+        door: &mut Door,
     ) -> Result<Entered, Trouble> {
         let created_at = self.clock.now();
         let id = self.book.new_id(created_at);
-        let seq = *number + 1;
-        let intent = self.intent(id, &entry, seq, claim);
+        // A number whose intent is not kept stays unused: nobody knows whether it was.
+        door.number += 1;
+        let intent = self.intent(id, &entry, door, claim);
         match self.journal.begin_motion(created_at, intent).await? {
             Begun::New(durable) => {
-                *number = seq;
                 let _id = self.book.enter(entry, Some(id), created_at);
                 Ok(Entered::New(Permit(Kind::Durable(durable))))
             }
@@ -147,8 +192,8 @@ impl Motions {
         if !self.keeps_all() {
             return Ok(self.begin_unkept(entry));
         }
-        let mut number = self.door.lock().await;
-        match self.begin(entry, None, &mut number).await? {
+        let mut door = self.door.lock().await;
+        match self.begin(entry, None, &mut door).await? {
             Entered::New(permit) => Ok(permit),
             Entered::Replayed(_) => Err(Trouble::Unavailable(
                 "a motion without a key was taken for another".to_owned(),
@@ -169,6 +214,11 @@ impl Motions {
     /// is shown all the same, because it is true; after a restart the motion is then in doubt.
     pub(crate) async fn end(&self, id: Uuid, end: End) -> Timestamp {
         let at = self.clock.now();
+        let ended = self.book.look(id, |record| record.progress.end().is_some());
+        if ended == Some(true) {
+            // Taken back before its turn: that is its end, and is kept as such.
+            return at;
+        }
         if let Err(trouble) = self.keep_end(id, &end, at).await {
             tracing::error!(
                 robot.id = self.plan.id,
@@ -187,19 +237,22 @@ impl Motions {
     }
 
     async fn keep_end(&self, id: Uuid, end: &End, at: Timestamp) -> Result<(), Trouble> {
-        let Some(record) = self.book.get(id) else {
+        let Some(in_journal) = self.book.look(id, |record| record.in_journal) else {
             return Ok(());
         };
         let record = match end {
-            End::InDoubt { .. } if !record.in_journal => {
+            End::InDoubt { .. } if !in_journal => {
                 // Somebody has to decide about it, and a decision needs what it is about.
-                let mut number = self.door.lock().await;
-                *number += 1;
-                let intent = self.intent(id, &record.entry(), *number, None);
+                let Some(record) = self.book.get(id) else {
+                    return Ok(());
+                };
+                let mut door = self.door.lock().await;
+                door.number += 1;
+                let intent = self.intent(id, &record.entry(), &door, None);
                 let _begun = self.journal.begin_motion(at, intent).await?;
                 intent::outcome(id, end)
             }
-            _ if !record.in_journal => return Ok(()),
+            _ if !in_journal => return Ok(()),
             End::Accepted => intent::accepted(id),
             _ => intent::outcome(id, end),
         };
@@ -207,8 +260,30 @@ impl Motions {
         Ok(())
     }
 
+    /// Counts the stops.
+    pub(crate) fn stops(&self) -> u64 {
+        self.stops.load(Ordering::Acquire)
+    }
+
+    /// Takes back every motion that waits, at once: what is shown does not wait for the journal, which follows.
+    ///
+    /// A motion that is on its way to the journal now is taken back when it comes from there.
+    pub(crate) fn stop(self: &Arc<Self>) -> Vec<Uuid> {
+        let _before = self.stops.fetch_add(1, Ordering::AcqRel);
+        let mut taken = self.book.queued();
+        taken.retain(|id| self.take_back(*id));
+        taken
+    }
+
+    /// Takes back a motion that a stop came before.
+    fn heed_stop(self: &Arc<Self>, id: Uuid, stops: u64) {
+        if self.stops() != stops {
+            let _taken = self.take_back(id);
+        }
+    }
+
     /// Takes back a motion that waits for the link; `false` if it does not wait.
-    pub(crate) async fn take_back(&self, id: Uuid) -> bool {
+    pub(crate) fn take_back(self: &Arc<Self>, id: Uuid) -> bool {
         let at = self.clock.now();
         let end = End::NotExecuted {
             code: ProblemCode::MotionCanceled,
@@ -220,8 +295,13 @@ impl Motions {
                 end: end.clone(),
             })
         });
-        if taken && let Err(trouble) = self.keep_end(id, &end, at).await {
-            tracing::error!(motion = %id, error = %trouble, "a cancellation could not be kept");
+        if taken {
+            let this = Arc::clone(self);
+            drop(self.tracker.spawn(async move {
+                if let Err(trouble) = this.keep_end(id, &end, at).await {
+                    tracing::error!(motion = %id, error = %trouble, "a cancellation could not be kept");
+                }
+            }));
         }
         taken
     }

@@ -27,6 +27,8 @@ pub(crate) struct Asked {
     pub(crate) speed: Speed,
     /// Where the joints are expected to end.
     pub(crate) joints: PendantJoints,
+    /// Whether the controller is given the joints, and not the pose.
+    pub(crate) to_joints: bool,
     /// The pose it was counted from, for a relative motion.
     pub(crate) from: Option<[i32; 6]>,
 }
@@ -63,8 +65,6 @@ pub(crate) enum Progress {
     /// The controller took it, and its end will be known.
     Accepted,
     Executing,
-    Paused,
-    Settling,
     Ended {
         at: Timestamp,
         end: End,
@@ -107,13 +107,9 @@ impl Asked {
             point: prepared.wire.thousandths(),
             speed: Speed::MmPerSec(prepared.wire.speed()),
             joints: prepared.joints,
+            to_joints: false,
             from: None,
         }
-    }
-
-    /// Whether the tool center point goes in a straight line.
-    pub(crate) fn is_linear(&self) -> bool {
-        self.motion_type == MotionType::Linear
     }
 }
 
@@ -161,12 +157,7 @@ impl Progress {
     pub(crate) fn end(&self) -> Option<&End> {
         match self {
             Self::Ended { end, .. } => Some(end),
-            Self::Queued
-            | Self::Dispatched
-            | Self::Accepted
-            | Self::Executing
-            | Self::Paused
-            | Self::Settling => None,
+            Self::Queued | Self::Dispatched | Self::Accepted | Self::Executing => None,
         }
     }
 
@@ -180,8 +171,6 @@ impl Progress {
             Self::Dispatched => MotionState::Dispatched,
             Self::Accepted => MotionState::Accepted,
             Self::Executing => MotionState::Executing,
-            Self::Paused => MotionState::Paused,
-            Self::Settling => MotionState::Settling,
             Self::Ended { end, .. } => end.state(),
         }
     }
@@ -197,7 +186,10 @@ impl End {
                 MotionState::Expired
             }
             Self::NotExecuted { code, .. } | Self::Interrupted { code, .. }
-                if *code == ProblemCode::MotionCanceled =>
+                if matches!(
+                    code,
+                    ProblemCode::MotionCanceled | ProblemCode::StoppedBeforeSent
+                ) =>
             {
                 MotionState::Canceled
             }
@@ -274,12 +266,9 @@ impl Record {
         let end = self.progress.end();
         let ended_at = match &self.progress {
             Progress::Ended { at, .. } => Some(*at),
-            Progress::Queued
-            | Progress::Dispatched
-            | Progress::Accepted
-            | Progress::Executing
-            | Progress::Paused
-            | Progress::Settling => None,
+            Progress::Queued | Progress::Dispatched | Progress::Accepted | Progress::Executing => {
+                None
+            }
         };
         let (speed_mm_s, speed_percent) = match self.asked.speed {
             Speed::MmPerSec(speed) => (Some(f64::from(speed)), None),

@@ -14,10 +14,10 @@ use uuid::Uuid;
 use super::{Asked, End, Entered, Entry, KeyGuard, Record};
 use crate::config::RobotPlan;
 use crate::journal::Trouble;
-use crate::link::{Answer, Base, LinkError, Order, Turned};
+use crate::link::{Answer, Base, Link, LinkError, Order, Turned};
 use crate::problem::Problem;
 use crate::request_id::RequestId;
-use crate::state::Robot;
+use crate::state::{Robot, RobotLink};
 use crate::target::{Prepared, Refusal};
 
 /// What is said where the robot may have moved.
@@ -53,6 +53,8 @@ pub(crate) struct Start {
     pub(crate) begin_by: Instant,
     /// When its answer must have come.
     pub(crate) deadline: Instant,
+    /// How many stops there had been when it was asked for.
+    pub(crate) stops: u64,
     /// Held until the link has the move, whether or not the caller is still there.
     pub(crate) guard: Option<KeyGuard>,
 }
@@ -89,6 +91,7 @@ impl Robot {
             claim: None,
             begin_by: deadline,
             deadline,
+            stops: self.motions.stops(),
             guard: None,
         };
         match self.start(start).await.map_err(CommandFailure::Problem)? {
@@ -125,7 +128,7 @@ impl Robot {
         let request_id = start.entry.request_id.clone();
         // The place comes first: a command that is turned away leaves no motion.
         let place = self
-            .link
+            .seed_link()?
             .reserve()
             .map_err(|turned| self.turned(turned, &request_id))?;
         let permit = self.motions.begin_unkept(start.entry);
@@ -141,24 +144,25 @@ impl Robot {
     async fn start_kept(&self, start: Start) -> Result<Started, Problem> {
         let request_id = start.entry.request_id.clone();
         let place = self
-            .link
+            .seed_link()?
             .reserve()
             .map_err(|turned| self.turned(turned, &request_id))?;
-        let mut number = self.motions.door.lock().await;
+        let mut door = self.motions.door.lock().await;
         let entered = self
             .motions
-            .begin(start.entry, start.claim, &mut number)
+            .begin(start.entry, start.claim, &mut door)
             .await
             .map_err(|trouble| trouble.problem().robot(&self.plan.id))?;
         match entered {
             Entered::New(permit) => {
                 let motion = permit.motion();
+                self.motions.heed_stop(motion, start.stops);
                 let order = Order::Move {
                     permit,
                     prepared: start.prepared,
                 };
                 let answer = place.send(order, start.begin_by, start.deadline, request_id);
-                drop(number);
+                drop(door);
                 drop(start.guard);
                 Ok(Started::New { motion, answer })
             }
@@ -175,7 +179,8 @@ impl Robot {
         principal: Arc<str>,
     ) -> Result<Accepted, CommandFailure> {
         let place = self
-            .link
+            .seed_link()
+            .map_err(CommandFailure::Problem)?
             .reserve()
             .map_err(|turned| CommandFailure::Problem(self.turned(turned, &request_id)))?;
         let order = Order::Delta {
@@ -199,6 +204,18 @@ impl Robot {
             );
         }
         self.judge(answer)
+    }
+
+    /// The link of the seed program, which the thesis's routes speak to.
+    fn seed_link(&self) -> Result<&Link, Problem> {
+        match &self.link {
+            RobotLink::Seed(link) => Ok(link),
+            RobotLink::CellServer(_) => Err(Problem::not_sent(
+                ProblemCode::NotSupported,
+                "the robot's controller runs another program than the seed's; its motions are at /api/v1",
+            )
+            .robot(&self.plan.id)),
+        }
     }
 
     fn judge(&self, answer: Option<Answer>) -> Result<Accepted, CommandFailure> {

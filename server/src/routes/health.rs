@@ -76,6 +76,6 @@ fn link_readiness(robot: &Robot) -> LinkReadiness {
         cell: robot.plan.cell.clone(),
         robot: robot.plan.id.clone(),
         running: robot.link.is_running(),
-        state: robot.link.status().state,
+        state: robot.link.state(),
     }
 }

@@ -143,7 +143,12 @@ fn same(a: &Solution, b: &Solution) -> bool {
         .all(close)
 }
 
-fn order(plan: &RobotPlan, near: &PendantJoints, a: &Solution, b: &Solution) -> Ordering {
+pub(super) fn order(
+    plan: &RobotPlan,
+    near: &PendantJoints,
+    a: &Solution,
+    b: &Solution,
+) -> Ordering {
     let inside = |solution: &Solution| plan.model.check_limits(&solution.joints).is_ok();
     inside(b)
         .cmp(&inside(a))
@@ -161,7 +166,11 @@ fn squares(near: &PendantJoints, solution: &Solution) -> f64 {
     differences(near, solution).map(|angle| angle * angle).sum()
 }
 
-fn branch_body(plan: &RobotPlan, near: &PendantJoints, solution: &Solution) -> BranchBody {
+pub(super) fn branch_body(
+    plan: &RobotPlan,
+    near: &PendantJoints,
+    solution: &Solution,
+) -> BranchBody {
     // Everything is told of the joints as shown, so that forward kinematics of them tells the same.
     let joints = as_shown(&solution.joints);
     BranchBody {

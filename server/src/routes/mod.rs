@@ -9,9 +9,11 @@ mod kinematics;
 mod legacy;
 mod legacy_error;
 mod motion_body;
+mod motion_control;
 mod motions;
 mod params;
 mod prefer;
+mod preview;
 mod problems;
 mod responses;
 mod robots;
@@ -39,7 +41,16 @@ pub(crate) fn documented() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(kinematics::forward))
         .routes(routes!(kinematics::inverse))
         .routes(routes!(motions::create_motion, motions::list_motions))
+        .routes(routes!(preview::preview_motion))
         .routes(routes!(motions::get_motion))
+        .routes(routes!(motion_control::cancel_motion))
+        .routes(routes!(motion_control::pause_motion))
+        .routes(routes!(motion_control::resume_motion))
+        .routes(routes!(motion_control::stop_robot))
+        .routes(routes!(
+            motion_control::get_speed_override,
+            motion_control::put_speed_override
+        ))
         .routes(routes!(interventions::list_interventions))
         .routes(routes!(interventions::get_intervention))
         .routes(routes!(interventions::respond))

@@ -49,8 +49,13 @@ pub(super) fn check(
     now: Timestamp,
 ) -> Result<Timing, Problem> {
     let mut violations = Vec::new();
-    check_target(body, &mut violations);
-    check_speed(body, &mut violations);
+    if body.plan_id.is_some() {
+        check_of_plan(body, &mut violations);
+    } else {
+        check_target(body, &mut violations);
+        check_speed(body, &mut violations);
+    }
+    check_expected(body, &mut violations);
     if let Some(deadline) = body.deadline_ms
         && !(1..=MAX_DEADLINE_MS).contains(&deadline)
     {
@@ -114,6 +119,40 @@ fn later(now: Timestamp, by: Duration) -> Timestamp {
         .ok()
         .and_then(|by| now.checked_add(by).ok())
         .unwrap_or(now)
+}
+
+/// A plan says where to and how fast.
+fn check_of_plan(body: &MotionBody, violations: &mut Vec<Violation>) {
+    for (item, given) in [
+        ("target", body.target.is_some()),
+        ("relative_to", body.relative_to.is_some()),
+        ("speed_mm_s", body.speed_mm_s.is_some()),
+        ("speed_percent", body.speed_percent.is_some()),
+    ] {
+        if given {
+            violations.push(violation(item, "is the plan's, where there is a `plan_id`"));
+        }
+    }
+}
+
+fn check_expected(body: &MotionBody, violations: &mut Vec<Violation>) {
+    let tolerance = body
+        .expect
+        .as_ref()
+        .and_then(|expect| expect.start_tolerance_deg);
+    if let Some(tolerance) = tolerance
+        && !(0.0..=180.0).contains(&tolerance)
+    {
+        violations.push(Violation {
+            value: tolerance.is_finite().then_some(tolerance),
+            min: Some(0.0),
+            max: Some(180.0),
+            ..violation(
+                "expect.start_tolerance_deg",
+                &format!("{tolerance} is not from 0 to 180"),
+            )
+        });
+    }
 }
 
 fn check_target(body: &MotionBody, violations: &mut Vec<Violation>) {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use api::{Motion, MotionBody, MotionList, Outcome, ProblemCode};
+use api::{Motion, MotionBody, MotionList, MotionState, Outcome, ProblemCode};
 use axum::Json;
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
@@ -16,13 +16,19 @@ use super::caller::Caller;
 use super::motion_body::{self, Timing};
 use super::params::{MAX_PAGE, MotionId, Page, RobotOf, RobotPath};
 use super::prefer::Prefer;
+use super::preview::{check_expected, plan_of};
 use super::responses::{AnyProblem, BodyProblem, CrossSite, LinkProblem, NotFound};
 use crate::extract::JsonBody;
 use crate::journal::Trouble;
-use crate::motions::{Asked, Entry, Record, RequestKey, Start, Started, problem_of};
+use crate::link::cell_server::CellServerLink;
+use crate::motions::{
+    Asked, Entry, Numbered, Planned, Progress, Record, RequestKey, Start, Started, problem_of,
+    resolve,
+};
 use crate::problem::{Problem, REPLAYED};
 use crate::request_id::RequestId;
-use crate::state::{App, Robot};
+use crate::state::{App, Robot, RobotLink};
+use crate::target::Prepared;
 
 /// What an answer may take longer than the motion's deadline: the link tells a little after it.
 const LATE: Duration = Duration::from_secs(5);
@@ -85,7 +91,7 @@ pub(super) async fn create_motion(
         return answer(&robot, motion, prefer, Patience::Answered, Replay::Before).await;
     }
     let timing = motion_body::check(&body, plan, robot.motions.now()).map_err(of_robot)?;
-    let prepared = motion_body::prepare(&robot, &body).map_err(|problem| {
+    let refused = |problem: Problem| {
         tracing::info!(
             robot.id = plan.id,
             request_id = &*request_id,
@@ -93,44 +99,86 @@ pub(super) async fn create_motion(
             "the motion was refused and not sent"
         );
         problem.robot(&plan.id)
-    })?;
-    no_doubt(&robot)?;
+    };
     let Timing {
         begin_by,
         deadline,
         not_after,
     } = timing;
-    let start = Start {
-        prepared,
-        entry: Entry {
-            asked: Asked::of(&prepared),
-            request_id,
-            principal,
-            reason: body.reason,
-            not_after: Some(not_after),
-        },
-        claim: Some(claim),
-        begin_by,
-        deadline,
-        guard: Some(guard.clone()),
-    };
-    let answered = match robot.start(start).await? {
-        Started::New { motion, .. } => {
-            answer(
-                &robot,
-                motion,
-                prefer,
-                Patience::Until(deadline),
-                Replay::First,
-            )
-            .await
+    let stops = robot.motions.stops();
+    let (motion, is_new, patience) = match &robot.link {
+        RobotLink::Seed(_) => {
+            let prepared = prepared(&robot, &body).map_err(refused)?;
+            let start = Start {
+                prepared,
+                entry: Entry {
+                    asked: Asked::of(&prepared),
+                    request_id: request_id.clone(),
+                    principal,
+                    reason: body.reason,
+                    not_after: Some(not_after),
+                },
+                claim: Some(claim),
+                begin_by,
+                deadline,
+                stops,
+                guard: Some(guard.clone()),
+            };
+            match robot.start(start).await? {
+                Started::New { motion, .. } => (motion, true, Patience::Until(deadline)),
+                Started::Replayed(motion) => (motion, false, Patience::Answered),
+            }
         }
-        Started::Replayed(motion) => {
-            answer(&robot, motion, prefer, Patience::Answered, Replay::Before).await
+        RobotLink::CellServer(link) => {
+            let reason = body.reason.clone();
+            let of_link = link.clone();
+            let resolve = move |robot: &Robot| asked(robot, &of_link, &body);
+            let numbered = Numbered {
+                resolve: Box::new(resolve),
+                request_id: request_id.clone(),
+                principal,
+                reason,
+                not_after,
+                begin_by,
+                claim,
+                stops,
+                guard: guard.clone(),
+            };
+            let started = robot.start_numbered(link, numbered).await;
+            let (motion, is_new) = started.map_err(refused)?;
+            (motion, is_new, Patience::Answered)
         }
     };
+    let replay = if is_new {
+        Replay::First
+    } else {
+        Replay::Before
+    };
+    let answered = answer(&robot, motion, prefer, patience, replay).await;
     drop(guard);
     answered
+}
+
+/// What a controller of tier 0 is to be sent: the plan's, or the body's.
+fn prepared(robot: &Robot, body: &MotionBody) -> Result<Prepared, Problem> {
+    let plan = plan_of(robot, body)?;
+    check_expected(robot, body, plan.as_ref())?;
+    no_doubt(robot)?;
+    match plan.map(|plan| plan.planned) {
+        Some(Planned::Seed(prepared)) => Ok(prepared),
+        Some(Planned::Numbered(_)) | None => motion_body::prepare(robot, body),
+    }
+}
+
+/// What a controller of tier 2 is to be sent: the plan's, or the body's.
+fn asked(robot: &Robot, link: &CellServerLink, body: &MotionBody) -> Result<Asked, Problem> {
+    let plan = plan_of(robot, body)?;
+    check_expected(robot, body, plan.as_ref())?;
+    no_doubt(robot)?;
+    match plan.map(|plan| plan.planned) {
+        Some(Planned::Numbered(asked)) => Ok(asked),
+        Some(Planned::Seed(_)) | None => resolve(robot, link, body, motion_body::refused),
+    }
 }
 
 /// Lists a robot's motions, newest first.
@@ -160,7 +208,7 @@ pub(super) async fn list_motions(RobotOf(robot): RobotOf, page: Page) -> Json<Mo
     Json(MotionList {
         motions: records
             .iter()
-            .map(|record| record.body(&robot.plan))
+            .map(|record| shown_motion(&robot, record))
             .collect(),
         next_cursor,
     })
@@ -184,7 +232,29 @@ pub(super) async fn get_motion(
     RobotOf(robot): RobotOf,
     MotionId(id): MotionId,
 ) -> Result<Json<Motion>, Problem> {
-    Ok(Json(find(&robot, id).await?.body(&robot.plan)))
+    let record = find(&robot, id).await?;
+    Ok(Json(shown_motion(&robot, &record)))
+}
+
+/// A motion as the API shows it: what is known of it, and what the controller says of it now.
+pub(super) fn shown_motion(robot: &Robot, record: &Record) -> Motion {
+    let mut motion = record.body(&robot.plan);
+    if let RobotLink::CellServer(link) = &robot.link
+        && matches!(record.progress, Progress::Accepted | Progress::Executing)
+    {
+        let view = link.view();
+        let in_flight = view
+            .in_flight
+            .filter(|in_flight| in_flight.motion == record.id);
+        if let (Some(in_flight), Some(seen)) = (in_flight, view.status) {
+            if seen.line.held {
+                motion.state = MotionState::Paused;
+            } else if seen.line.finished == in_flight.number {
+                motion.state = MotionState::Settling;
+            }
+        }
+    }
+    motion
 }
 
 /// A motion of the robot.
@@ -285,11 +355,12 @@ async fn answer(
             Replay::Before => problem.replayed(),
         });
     }
-    let body = record.body(&robot.plan);
+    let body = shown_motion(robot, &record);
     Ok(MotionAnswer {
-        status: match body.state {
-            api::MotionState::Succeeded => StatusCode::OK,
-            _ => StatusCode::ACCEPTED,
+        status: if body.state == MotionState::Succeeded {
+            StatusCode::OK
+        } else {
+            StatusCode::ACCEPTED
         },
         location: path_of(robot, Some(motion)),
         applied: prefer.applied(),

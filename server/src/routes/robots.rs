@@ -1,15 +1,25 @@
 //! What a robot is, and what the server knows of it now.
 
-use api::{JointDescription, LinkStatus, PoseSource, RobotDescription, RobotState};
+use api::{
+    ControllerState, JointDescription, LinkStatus, OperationalMode, PoseSource, RobotDescription,
+    RobotState,
+};
 use axum::Json;
 use kinematics::Axis;
+use protocol::v2::OperatingMode;
 
 use super::params::{RobotOf, RobotPath};
 use super::responses::{AnyProblem, NotFound};
 use crate::config::RobotPlan;
-use crate::link::Base;
+use crate::link::cell_server::{CellServerLink, Observed};
+use crate::link::{Base, Link};
+use crate::motions::point_of_thousandths;
+use crate::state::{Robot, RobotLink};
 use crate::target::sent_point;
-use crate::wire_bodies::{joints_body, pose_body};
+use crate::wire_bodies::{joints_body, pose_body, shown};
+
+/// The digital outputs and inputs that are reported.
+const LEVELS: [u8; 8] = [1, 2, 3, 4, 5, 6, 7, 8];
 
 /// Describes a robot: model, joints, limits, frames.
 #[utoipa::path(
@@ -40,8 +50,15 @@ pub(super) async fn get_robot_description(RobotOf(robot): RobotOf) -> Json<Robot
     responses((status = 200, description = "The robot's state.", body = RobotState), NotFound, AnyProblem),
 )]
 pub(super) async fn get_robot_state(RobotOf(robot): RobotOf) -> Json<RobotState> {
-    let status = robot.link.status();
-    let (queued, queue_capacity) = robot.link.depth();
+    Json(match &robot.link {
+        RobotLink::Seed(link) => seed_state(&robot, link),
+        RobotLink::CellServer(link) => controller_state(&robot, link),
+    })
+}
+
+fn seed_state(robot: &Robot, link: &Link) -> RobotState {
+    let status = link.status();
+    let (queued, queue_capacity) = link.depth();
     let (pose, pose_source) = match status.base {
         Base::Target(wire) => (
             Some(pose_body(&sent_point(&wire))),
@@ -49,7 +66,7 @@ pub(super) async fn get_robot_state(RobotOf(robot): RobotOf) -> Json<RobotState>
         ),
         Base::Nothing | Base::InDoubt => (None, PoseSource::Unknown),
     };
-    Json(RobotState {
+    RobotState {
         id: robot.plan.id.clone(),
         cell: robot.plan.cell.clone(),
         tier: robot.plan.tier,
@@ -60,10 +77,67 @@ pub(super) async fn get_robot_state(RobotOf(robot): RobotOf) -> Json<RobotState>
         },
         pose,
         pose_source,
+        controller: None,
         queued,
         queue_capacity,
         last_motion: status.last_motion,
-    })
+        revision: robot.motions.book.revision(),
+    }
+}
+
+fn controller_state(robot: &Robot, link: &CellServerLink) -> RobotState {
+    let view = link.view();
+    let (queued, queue_capacity) = link.depth();
+    let controller = view
+        .status
+        .map(|seen| reported(&seen, view.not_ready.map(|reason| reason.to_string())));
+    RobotState {
+        id: robot.plan.id.clone(),
+        cell: robot.plan.cell.clone(),
+        tier: robot.plan.tier,
+        link: LinkStatus {
+            state: view.state,
+            last_answer_at: None,
+            last_failure: view.failure.as_ref().map(|(code, _)| *code),
+        },
+        pose: view
+            .status
+            .map(|seen| pose_body(&point_of_thousandths(seen.line.pose.thousandths()))),
+        pose_source: match view.status {
+            Some(_) => PoseSource::Controller,
+            None => PoseSource::Unknown,
+        },
+        controller,
+        queued,
+        queue_capacity,
+        last_motion: view.last_motion,
+        revision: robot.motions.book.revision(),
+    }
+}
+
+fn reported(seen: &Observed, not_ready: Option<String>) -> ControllerState {
+    let line = &seen.line;
+    ControllerState {
+        age_ms: u64::try_from(seen.at.elapsed().as_millis()).unwrap_or(u64::MAX),
+        joints: line.joints.degrees().map(|joint| shown(joint.0)).into(),
+        moving: line.moving,
+        held: line.held,
+        mode: match line.mode {
+            OperatingMode::T1 => OperationalMode::ManualReducedSpeed,
+            OperatingMode::T2 => OperationalMode::ManualHighSpeed,
+            OperatingMode::Auto => OperationalMode::Automatic,
+        },
+        pendant_enabled: line.pendant,
+        alarm: (line.alarm != 0).then(|| format!("{}-{:03}", line.alarm / 1000, line.alarm % 1000)),
+        speed_override_percent: line.speed_override,
+        user_frame: line.user_frame,
+        tool: line.tool,
+        dead_man: line.dead_man,
+        outputs: LEVELS.map(|number| line.output(number)),
+        inputs: LEVELS.map(|number| line.input(number)),
+        boot: line.boot,
+        not_ready,
+    }
 }
 
 fn description(plan: &RobotPlan) -> RobotDescription {
@@ -75,6 +149,7 @@ fn description(plan: &RobotPlan) -> RobotDescription {
         model: model.name().to_owned(),
         manufacturer: model.manufacturer().to_owned(),
         tier: plan.tier,
+        capabilities: plan.tier.capabilities(),
         controller_address: plan.controller.to_string(),
         joints: Axis::ALL
             .into_iter()

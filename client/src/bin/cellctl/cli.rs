@@ -3,7 +3,9 @@
 use clap::builder::NonEmptyStringValueParser;
 use clap::{Args, Parser, Subcommand};
 
-use crate::{delta, emulator, fk, home, ik, motions, move_to};
+use crate::{
+    delta, doubts, emulator, fk, home, ik, journal, motions, move_to, speed_override, stop,
+};
 
 /// Drive a robot cell: move, look, calculate.
 ///
@@ -84,6 +86,10 @@ pub(crate) enum Command {
     /// Show what the robot is: arm, limits, home, frames, controller.
     Describe,
     Motions(motions::MotionsArgs),
+    Stop(stop::StopArgs),
+    Override(speed_override::OverrideArgs),
+    Doubts(doubts::DoubtsArgs),
+    Journal(journal::JournalArgs),
     Emulator(emulator::EmulatorArgs),
 }
 

@@ -33,6 +33,24 @@ impl Context {
         Ok(emulator)
     }
 
+    /// The cell that is meant: the one named, or the only one there is.
+    pub(crate) async fn cell(&self) -> Result<String, Failure> {
+        if let Some(cell) = &self.global.cell {
+            return Ok(cell.clone());
+        }
+        let cells = self.client.cells().await?;
+        match &cells[..] {
+            [only] => Ok(only.id.clone()),
+            _ => Err(Failure::WhichRobot {
+                why: "more than one cell could be meant, or there is none".to_owned(),
+                all: cells
+                    .iter()
+                    .map(|cell| format!("--cell {}", cell.id))
+                    .collect(),
+            }),
+        }
+    }
+
     /// The robot that is meant: the one named, or the only one there is.
     pub(crate) async fn robot(&self) -> Result<Robot, Failure> {
         if let (Some(cell), Some(robot)) = (&self.global.cell, &self.global.robot) {

@@ -5,16 +5,20 @@ mod cli;
 mod context;
 mod delta;
 mod describe;
+mod doubts;
 mod emulator;
 mod failure;
 mod fk;
 mod home;
 mod ik;
+mod journal;
 mod motions;
 mod move_to;
 mod numbers;
 mod report;
+mod speed_override;
 mod state;
+mod stop;
 mod text;
 
 use std::io::Write;
@@ -42,6 +46,7 @@ async fn main() -> ExitCode {
 }
 
 async fn run(cli: Cli) -> Result<Report, Failure> {
+    let json = cli.global.json;
     let context = Context::new(cli.global)?;
     match cli.command {
         Command::Move(args) => move_to::run(args, &context).await,
@@ -53,6 +58,10 @@ async fn run(cli: Cli) -> Result<Report, Failure> {
         Command::Cells => cells::run(&context).await,
         Command::Describe => describe::run(&context).await,
         Command::Motions(args) => motions::run(args, &context).await,
+        Command::Stop(args) => stop::run(args, &context).await,
+        Command::Override(args) => speed_override::run(args, &context).await,
+        Command::Doubts(args) => doubts::run(args, &context).await,
+        Command::Journal(args) => journal::run(args, json).await,
         Command::Emulator(args) => emulator::run(args, &context).await,
     }
 }

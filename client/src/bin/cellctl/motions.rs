@@ -34,6 +34,21 @@ enum MotionsCommand {
         /// The motion's id.
         id: Uuid,
     },
+    /// Take one motion back: not sent if it waits, stopped if it runs and the controller can be told to.
+    Cancel {
+        /// The motion's id.
+        id: Uuid,
+    },
+    /// Hold the running motion.
+    Pause {
+        /// The motion's id.
+        id: Uuid,
+    },
+    /// Let a motion on hold go on.
+    Resume {
+        /// The motion's id.
+        id: Uuid,
+    },
 }
 
 #[derive(Args, Debug)]
@@ -51,6 +66,18 @@ pub(crate) async fn run(args: MotionsArgs, context: &Context) -> Result<Report, 
     let list = match args.command {
         Some(MotionsCommand::Show { id }) => {
             let motion = robot.motion(id).await?;
+            return Ok(context.report(Exit::Done, &motion, sentences));
+        }
+        Some(MotionsCommand::Cancel { id }) => {
+            let motion = robot.cancel_motion(id).await?;
+            return Ok(context.report(Exit::Done, &motion, sentences));
+        }
+        Some(MotionsCommand::Pause { id }) => {
+            let motion = robot.pause_motion(id).await?;
+            return Ok(context.report(Exit::Done, &motion, sentences));
+        }
+        Some(MotionsCommand::Resume { id }) => {
+            let motion = robot.resume_motion(id).await?;
             return Ok(context.report(Exit::Done, &motion, sentences));
         }
         Some(MotionsCommand::List(list)) => list,

@@ -59,6 +59,12 @@ pub struct Asked {
     /// has on the wire is `seq`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wire_epoch: Option<u32>,
+    /// Which start of the controller it was sent to, where the controller counts them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub boot: Option<u32>,
+    /// Whether the target is the joint values, and not the pose.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub to_joints: bool,
     /// The pose it was counted from, for a motion relative to the actual pose.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from: Option<Target>,

@@ -1,0 +1,214 @@
+//! `cellctl journal`: a journal file, checked or written out. It needs no server, and the server may be running.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Subcommand};
+use journal::{Digest, Head, Position, VerifyError};
+use serde::Serialize;
+
+use crate::failure::Failure;
+use crate::report::{Exit, Report};
+
+/// Check a journal file, or write it out.
+///
+/// Exit codes: 0 it holds; 1 it does not, and the first broken record is named; 3 it cannot be read.
+///
+/// Examples:
+///   cellctl journal verify cell.journal
+///   cellctl journal export cell.journal --output cell.jsonl
+#[derive(Args, Debug)]
+#[command(verbatim_doc_comment)]
+pub(crate) struct JournalArgs {
+    #[command(subcommand)]
+    command: JournalCommand,
+}
+
+#[derive(Debug, Subcommand)]
+enum JournalCommand {
+    /// Check every record, the chain of their hashes, and what was made from them.
+    Verify {
+        /// The journal's file.
+        file: PathBuf,
+        /// A last record known from elsewhere, POSITION:HASH: shows an end that was cut off.
+        #[arg(long, value_name = "POSITION:HASH", value_parser = head)]
+        head: Option<Head>,
+    },
+    /// Write the records as lines of JSON, byte for byte as they were hashed.
+    Export {
+        /// The journal's file.
+        file: PathBuf,
+        /// Where to; the standard output where absent. It must not be there yet.
+        #[arg(long, short, value_name = "FILE")]
+        output: Option<PathBuf>,
+    },
+}
+
+#[derive(Debug, Serialize)]
+struct Verified {
+    holds: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    records: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    head: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    epoch: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    open_motions: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    open_jobs: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    first_broken: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    problem: Option<String>,
+}
+
+pub(crate) async fn run(args: JournalArgs, json: bool) -> Result<Report, Failure> {
+    match args.command {
+        JournalCommand::Verify { file, head } => Ok(verify(&file, head, json).await),
+        JournalCommand::Export { file, output } => Ok(export(&file, output.as_deref(), json).await),
+    }
+}
+
+async fn verify(file: &Path, known: Option<Head>, json: bool) -> Report {
+    let (exit, verified) = match journal::verify(file, known).await {
+        Ok(report) => (
+            Exit::Done,
+            Verified {
+                holds: true,
+                records: Some(report.head.position.0),
+                head: Some(format!("{}:{}", report.head.position, report.head.hash)),
+                epoch: Some(report.epoch.0),
+                open_motions: Some(report.open_motions),
+                open_jobs: Some(report.open_jobs),
+                first_broken: None,
+                problem: None,
+            },
+        ),
+        Err(error) => (exit_of(&error), broken(&error)),
+    };
+    if json {
+        return Report::json(exit, &verified);
+    }
+    match &verified.problem {
+        None => Report::text(
+            exit,
+            &format!(
+                "The journal holds: {} records, epoch {}, {} motions and {} jobs without an end.\nhead {}",
+                verified.records.unwrap_or_default(),
+                verified.epoch.unwrap_or_default(),
+                verified.open_motions.unwrap_or_default(),
+                verified.open_jobs.unwrap_or_default(),
+                verified.head.as_deref().unwrap_or_default(),
+            ),
+        ),
+        Some(problem) => Report::error(exit, &format!("cellctl: {}: {problem}", file.display())),
+    }
+}
+
+async fn export(file: &Path, output: Option<&Path>, json: bool) -> Report {
+    // Never over another file: an export may be the only copy.
+    let opened: io::Result<Box<dyn Write>> = match output {
+        Some(path) => {
+            File::create_new(path).map(|file| Box::new(BufWriter::new(file)) as Box<dyn Write>)
+        }
+        None => Ok(Box::new(BufWriter::new(io::stdout()))),
+    };
+    let mut lines = match opened {
+        Ok(lines) => lines,
+        Err(error) => {
+            let path = output.unwrap_or(Path::new("standard output")).display();
+            return Report::error(Exit::Usage, &format!("cellctl: {path}: {error}"));
+        }
+    };
+    match journal::export(file, &mut lines).await {
+        Ok(head) if output.is_some() => {
+            let text = format!(
+                "{} records.\nhead {}:{}",
+                head.position, head.position, head.hash
+            );
+            if json {
+                let head = format!("{}:{}", head.position, head.hash);
+                Report::json(Exit::Done, &serde_json::json!({ "head": head }))
+            } else {
+                Report::text(Exit::Done, &text)
+            }
+        }
+        // The standard output has the lines and nothing else.
+        Ok(_) => Report {
+            stdout: String::new(),
+            stderr: String::new(),
+            exit: Exit::Done,
+        },
+        Err(error) => Report::error(
+            exit_of(&error),
+            &format!(
+                "cellctl: {}: {}",
+                file.display(),
+                broken(&error).problem.unwrap_or_default()
+            ),
+        ),
+    }
+}
+
+/// 1 where the journal says something wrong, 3 where it says nothing.
+fn exit_of(error: &VerifyError) -> Exit {
+    match error {
+        VerifyError::Broken(_)
+        | VerifyError::Rule { .. }
+        | VerifyError::Index { .. }
+        | VerifyError::File { .. }
+        | VerifyError::Export { .. }
+        | VerifyError::Line(_) => Exit::Refused,
+        VerifyError::Open { .. }
+        | VerifyError::Read { .. }
+        | VerifyError::Lines(_)
+        | VerifyError::Make(_)
+        | VerifyError::Write(_) => Exit::Link,
+    }
+}
+
+fn broken(error: &VerifyError) -> Verified {
+    let mut problem = error.to_string();
+    let mut cause = std::error::Error::source(error);
+    while let Some(source) = cause {
+        problem.push_str(": ");
+        problem.push_str(&source.to_string());
+        cause = source.source();
+    }
+    let first_broken = match error {
+        VerifyError::Broken(broken) => Some(broken.position()),
+        VerifyError::Rule { position, .. } | VerifyError::Export { position, .. } => {
+            Some(*position)
+        }
+        VerifyError::Open { .. }
+        | VerifyError::Read { .. }
+        | VerifyError::Index { .. }
+        | VerifyError::File { .. }
+        | VerifyError::Line(_)
+        | VerifyError::Lines(_)
+        | VerifyError::Make(_)
+        | VerifyError::Write(_) => None,
+    };
+    Verified {
+        holds: false,
+        records: None,
+        head: None,
+        epoch: None,
+        open_motions: None,
+        open_jobs: None,
+        first_broken: first_broken.map(|position| position.0),
+        problem: Some(problem),
+    }
+}
+
+fn head(text: &str) -> Result<Head, String> {
+    let wrong = || "write it POSITION:HASH, as `verify` shows it".to_owned();
+    let (position, hash) = text.split_once(':').ok_or_else(wrong)?;
+    let hash: Digest = hash.parse().map_err(|_| wrong())?;
+    Ok(Head {
+        position: Position(position.parse().map_err(|_| wrong())?),
+        hash,
+    })
+}

@@ -1,0 +1,363 @@
+use std::sync::Arc;
+use std::time::Duration;
+
+use protocol::v2::{Reply, Request};
+use tokio::sync::mpsc;
+use tokio::time::Instant;
+use tokio_util::sync::CancellationToken;
+
+use super::error::{LinkError, ReadError, chain};
+use super::exchange::{Written, check_greeting, greet, send};
+use super::follow::Follower;
+use super::handle::{Shared, at};
+use super::judge::Open;
+use super::order::{MotionEnd, MotionObserver, MotionOrder, Rejection};
+use super::readiness::{self, NotReady};
+use super::status_task::Wanted;
+use super::stream::LineStream;
+use super::view::{InFlight, Phase};
+use crate::link::Connector;
+
+/// How long a motion in flight is followed once the server is stopping. The controller's dead-man stops it when the
+/// server has gone.
+const PARTING: Duration = Duration::from_secs(3);
+
+/// An order in the queue, and how many stops had been asked for when it came.
+#[derive(Debug)]
+pub(super) struct Queued {
+    pub(super) order: MotionOrder,
+    pub(super) stops: u64,
+}
+
+/// The owner of the command port: one command at a time, from its turn to its end.
+pub(super) struct CommandTask<C, O> {
+    pub(super) shared: Arc<Shared>,
+    pub(super) connector: Arc<C>,
+    pub(super) observer: Arc<O>,
+    pub(super) stop: CancellationToken,
+}
+
+impl<C: Connector, O: MotionObserver> CommandTask<C, O> {
+    pub(super) async fn run(self, mut orders: mpsc::Receiver<Queued>) {
+        loop {
+            let queued = tokio::select! {
+                biased;
+                () = self.stop.cancelled() => break,
+                queued = orders.recv() => queued,
+            };
+            let Some(queued) = queued else { break };
+            self.shared.plan.metrics.queued(orders.len());
+            self.carry_out(queued).await;
+        }
+        orders.close();
+        while let Some(queued) = orders.recv().await {
+            let error = LinkError::Stopping;
+            self.end(&queued.order, MotionEnd::NotSent { error }).await;
+        }
+    }
+
+    async fn carry_out(&self, queued: Queued) {
+        let order = &queued.order;
+        if let Err(error) = self.may_send(&queued) {
+            self.end(order, MotionEnd::NotSent { error }).await;
+            return;
+        }
+        self.shared.view.send_modify(|view| {
+            view.last_motion = Some(order.motion);
+            view.in_flight = Some(InFlight {
+                motion: order.motion,
+                number: order.number(),
+                phase: Phase::Dispatched,
+            });
+        });
+        self.observer.dispatched(order.motion).await;
+        let end = match self.send_once(&queued).await {
+            Err(error) => Some(MotionEnd::NotSent { error }),
+            Ok(sent) => self.follow(order, sent).await,
+        };
+        self.shared.view.send_modify(|view| view.in_flight = None);
+        match end {
+            Some(end) => self.end(order, end).await,
+            None => tracing::warn!(
+                robot.id = self.shared.plan.robot,
+                motion = %order.motion,
+                "the server stops while the motion is in flight"
+            ),
+        }
+    }
+
+    /// Everything that can speak against sending, at this moment. Gives the controller's boot counter.
+    fn may_send(&self, queued: &Queued) -> Result<u32, LinkError> {
+        let order = &queued.order;
+        if self.stop.is_cancelled() {
+            return Err(LinkError::Stopping);
+        }
+        if *self.shared.stops.borrow() != queued.stops {
+            return Err(LinkError::StoppedBeforeSent);
+        }
+        if Instant::now() >= order.not_after {
+            return Err(LinkError::DeadlinePassed);
+        }
+        if !self.observer.may_begin(order.motion) {
+            return Err(LinkError::TakenBack);
+        }
+        let view = self.shared.view.borrow();
+        let (Some(observed), true) = (view.status, view.is_connected()) else {
+            return Err(LinkError::NotReady(NotReady::Disconnected));
+        };
+        if let Some(used_up @ NotReady::GenerationsUsedUp { .. }) = view.not_ready {
+            return Err(LinkError::NotReady(used_up));
+        }
+        if view.wire_epoch != Some(order.wire_epoch) {
+            return Err(LinkError::WrongEpoch {
+                order: order.wire_epoch,
+                current: view.wire_epoch,
+            });
+        }
+        let frames = self.shared.plan.frame_numbers;
+        // Nothing of this link is moving yet.
+        match readiness::check(&observed.line, order.wire_epoch, frames, false) {
+            Some(reason) => Err(LinkError::NotReady(reason)),
+            None => Ok(observed.line.boot),
+        }
+    }
+
+    /// Connects, is greeted, checks again and writes.
+    async fn send_once(&self, queued: &Queued) -> Result<Sent<C::Stream>, LinkError> {
+        let order = &queued.order;
+        let plan = &self.shared.plan;
+        let started = Instant::now();
+        let mut stops = self.shared.stops.subscribe();
+        let (mut lines, greeting) = tokio::select! {
+            biased;
+            () = self.stop.cancelled() => return Err(LinkError::Stopping),
+            _ = stops.wait_for(|stops| *stops != queued.stops) => {
+                return Err(LinkError::StoppedBeforeSent);
+            }
+            greeted = greet(&*self.connector, plan, order) => greeted?,
+        };
+        plan.metrics.connected(started.elapsed());
+        // From here to the write nothing waits. A stop that comes later kills the nonce.
+        let boot = self.may_send(queued)?;
+        check_greeting(&greeting, order, boot)?;
+        let request = Request {
+            number: order.number(),
+            nonce: greeting.nonce,
+            command: order.command,
+        };
+        let written_at = Instant::now();
+        let limit = order.not_after.min(written_at + plan.reply_timeout);
+        let written = send(&mut lines, &request, limit).await?;
+        Ok(Sent {
+            lines: match written {
+                Written::Whole => Some(lines),
+                Written::Part(error) => {
+                    self.channel_lost(order, &error);
+                    None
+                }
+            },
+            boot,
+            written_at,
+        })
+    }
+
+    /// Follows a command that was written to its end. `None`: the server stops first.
+    async fn follow(&self, order: &MotionOrder, sent: Sent<C::Stream>) -> Option<MotionEnd> {
+        let plan = &self.shared.plan;
+        let Sent {
+            mut lines,
+            boot,
+            written_at,
+        } = sent;
+        let mut follower = Follower::new(
+            plan,
+            Open {
+                number: order.number(),
+                boot: Some(boot),
+                accepted: false,
+                command: order.command,
+            },
+        );
+        let mut view = self.shared.view.subscribe();
+        let mut silent_at = Some(written_at + plan.reply_timeout);
+        let mut parting = None;
+        loop {
+            let look = follower.look(&view.borrow_and_update());
+            if look.accepted {
+                self.accepted(order, written_at).await;
+            }
+            if look.executing {
+                self.phase(order, Phase::Executing);
+                self.observer.executing(order.motion).await;
+            }
+            if look.end.is_some() {
+                return look.end;
+            }
+            if follower.is_accepted() {
+                silent_at = None;
+            } else if lines.is_none() && silent_at.take().is_some() {
+                // Whether it was taken is not known, and it must not be taken from now on.
+                self.fence(order).await;
+                continue;
+            }
+            let read = async {
+                match lines.as_mut() {
+                    Some(lines) => lines.next(Reply::decode).await,
+                    None => std::future::pending().await,
+                }
+            };
+            tokio::select! {
+                biased;
+                reply = read => match reply {
+                    Err(error) => {
+                        self.channel_lost(order, &error);
+                        lines = None;
+                    }
+                    Ok(reply) => match self.answer(order, &mut follower, reply) {
+                        Answer::Accepted => self.accepted(order, written_at).await,
+                        Answer::Known => {}
+                        Answer::Done => {
+                            lines = None;
+                            self.shared.nudge.notify_one();
+                        }
+                        Answer::End(end) => return Some(end),
+                        Answer::Senseless => lines = None,
+                    },
+                },
+                _changed = view.changed() => {}
+                () = at(follower.deadline()) => {}
+                () = at(silent_at) => {
+                    // No answer that tells: what comes on this connection from now on comes too late.
+                    lines = None;
+                }
+                () = self.stop.cancelled(), if parting.is_none() => {
+                    parting = Some(Instant::now() + PARTING);
+                }
+                () = at(parting) => return None,
+            }
+        }
+    }
+
+    /// What an answer on the command port means for a command that was written on its connection.
+    fn answer(&self, order: &MotionOrder, follower: &mut Follower<'_>, reply: Reply) -> Answer {
+        let number = order.number();
+        let fresh = !follower.is_accepted();
+        let rejected = |code, text: String| Answer::End(MotionEnd::Rejected { code, text });
+        match reply {
+            Reply::Ack(acknowledged) if acknowledged == number => {
+                // The status line may have been faster.
+                return if follower.acknowledged() {
+                    Answer::Accepted
+                } else {
+                    Answer::Known
+                };
+            }
+            Reply::Done { number: done, .. } if done == number => return Answer::Done,
+            Reply::Err(code) if fresh => return rejected(Rejection::Error(code), code.to_string()),
+            Reply::Stale { epoch_max } if fresh => {
+                return rejected(
+                    Rejection::Stale { epoch_max },
+                    format!("the epoch is below the controller's {epoch_max}"),
+                );
+            }
+            Reply::Busy(running) if fresh => {
+                return rejected(Rejection::Busy(running), format!("motion {running} runs"));
+            }
+            Reply::Dup { number: dup, .. } if fresh && dup == number => {
+                return Answer::End(MotionEnd::InDoubt {
+                    error: LinkError::Duplicate { number },
+                    status: None,
+                });
+            }
+            Reply::Ack(_)
+            | Reply::Done { .. }
+            | Reply::Err(_)
+            | Reply::Stale { .. }
+            | Reply::Busy(_)
+            | Reply::Dup { .. } => {}
+        }
+        tracing::warn!(
+            robot.id = self.shared.plan.robot,
+            motion = %order.motion,
+            %number,
+            ?reply,
+            "the controller's answer makes no sense here"
+        );
+        Answer::Senseless
+    }
+
+    async fn accepted(&self, order: &MotionOrder, written_at: Instant) {
+        let plan = &self.shared.plan;
+        plan.metrics.replied(written_at.elapsed());
+        self.phase(order, Phase::Accepted);
+        tracing::info!(
+            robot.id = plan.robot,
+            request_id = &*order.request_id,
+            motion = %order.motion,
+            number = %order.number(),
+            "the controller took the command"
+        );
+        self.observer.accepted(order.motion).await;
+    }
+
+    fn phase(&self, order: &MotionOrder, phase: Phase) {
+        self.shared.view.send_modify(|view| {
+            view.in_flight = Some(InFlight {
+                motion: order.motion,
+                number: order.number(),
+                phase,
+            });
+        });
+    }
+
+    async fn fence(&self, order: &MotionOrder) {
+        // Where the status port is down, its next connection fences.
+        if let Err(error) = self.shared.ask(Wanted::Fence).await {
+            tracing::warn!(
+                robot.id = self.shared.plan.robot,
+                motion = %order.motion,
+                error = error.chain(),
+                "the controller could not be fenced yet"
+            );
+        }
+    }
+
+    /// Not a failure of the motion: the status port tells what becomes of it.
+    fn channel_lost(&self, order: &MotionOrder, error: &ReadError) {
+        tracing::info!(
+            robot.id = self.shared.plan.robot,
+            motion = %order.motion,
+            error = chain(error),
+            "the command's connection ended early"
+        );
+    }
+
+    async fn end(&self, order: &MotionOrder, end: MotionEnd) {
+        self.shared.plan.metrics.ended(&end);
+        tracing::info!(
+            robot.id = self.shared.plan.robot,
+            request_id = &*order.request_id,
+            motion = %order.motion,
+            number = %order.number(),
+            ?end,
+            "the command has ended"
+        );
+        self.observer.ended(order.motion, end).await;
+    }
+}
+
+/// A command that was written, or of which some bytes were.
+struct Sent<S> {
+    /// The connection it was written on, while it may answer.
+    lines: Option<LineStream<S>>,
+    boot: u32,
+    written_at: Instant,
+}
+
+enum Answer {
+    Accepted,
+    Known,
+    Done,
+    End(MotionEnd),
+    Senseless,
+}

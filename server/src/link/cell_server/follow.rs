@@ -1,0 +1,187 @@
+//! A command from its sending to its end, by the status lines alone.
+
+use std::time::Duration;
+
+use protocol::v2::StatusLine;
+use tokio::time::Instant;
+use units::{Degrees, Millimeters};
+
+use super::error::LinkError;
+use super::judge::{Finding, Open, Verdict, joints_apart, judge, poses_apart};
+use super::order::MotionEnd;
+use super::plan::CellServerPlan;
+use super::view::{ControllerView, Observed};
+
+/// The least time between two status lines that are to be of the same standstill, by the server's clock.
+const APART: Duration = Duration::from_millis(200);
+/// How far the arm may seem to move and stand still all the same.
+const SAME_POSITION: Millimeters = Millimeters(0.1);
+const SAME_ROTATION: Degrees = Degrees(0.05);
+
+/// Follows an open command through what the link publishes.
+#[derive(Debug)]
+pub(super) struct Follower<'a> {
+    plan: &'a CellServerPlan,
+    open: Open,
+    /// A finding that has to stay true before it is believed.
+    settling: Option<Settling>,
+    lost_since: Option<Instant>,
+    /// The status line judged last.
+    seen: u64,
+    executing: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Settling {
+    finding: Finding,
+    first: StatusLine,
+    since: Instant,
+}
+
+/// What one look at the link tells.
+#[derive(Debug, Default)]
+pub(super) struct Look {
+    /// The controller has stored the number; said once.
+    pub(super) accepted: bool,
+    /// The arm moves for it; said once.
+    pub(super) executing: bool,
+    pub(super) end: Option<MotionEnd>,
+}
+
+impl<'a> Follower<'a> {
+    pub(super) fn new(plan: &'a CellServerPlan, open: Open) -> Self {
+        Self {
+            plan,
+            open,
+            settling: None,
+            lost_since: None,
+            seen: 0,
+            executing: false,
+        }
+    }
+
+    pub(super) fn is_accepted(&self) -> bool {
+        self.open.accepted
+    }
+
+    /// The controller said so on the command port. Says whether that is news.
+    pub(super) fn acknowledged(&mut self) -> bool {
+        !std::mem::replace(&mut self.open.accepted, true)
+    }
+
+    /// When to look again although nothing was published.
+    pub(super) fn deadline(&self) -> Option<Instant> {
+        self.lost_since.map(|since| since + self.plan.give_up())
+    }
+
+    pub(super) fn look(&mut self, view: &ControllerView) -> Look {
+        let mut look = Look::default();
+        let now = Instant::now();
+        if !view.is_connected() {
+            self.settling = None;
+            let since = *self.lost_since.get_or_insert(now);
+            if now.duration_since(since) >= self.plan.give_up() {
+                look.end = Some(MotionEnd::InDoubt {
+                    error: LinkError::Lost {
+                        after: self.plan.give_up(),
+                    },
+                    status: None,
+                });
+            }
+            return look;
+        }
+        self.lost_since = None;
+        let Some(observed) = view.status else {
+            return look;
+        };
+        if observed.count == self.seen {
+            return look;
+        }
+        self.seen = observed.count;
+        let status = observed.line;
+        if status.accepted == self.open.number {
+            look.accepted = self.acknowledged();
+            if status.moving && status.finished < self.open.number && !self.executing {
+                self.executing = true;
+                look.executing = true;
+            }
+        }
+        look.end = self.end(&observed);
+        look
+    }
+
+    fn end(&mut self, observed: &Observed) -> Option<MotionEnd> {
+        let status = observed.line;
+        let verdict = judge(&status, &self.open, self.plan.tolerance);
+        let finding = match verdict {
+            Verdict::Unless(finding) => finding,
+            Verdict::Wait => {
+                self.settling = None;
+                return None;
+            }
+            Verdict::Arrived => return Some(MotionEnd::Arrived { status }),
+            Verdict::Interrupted(fin_status) => {
+                return Some(MotionEnd::Interrupted { fin_status, status });
+            }
+            Verdict::Lost(finding) => return Some(self.believed(finding, status)),
+        };
+        match self.settling {
+            Some(settling) if settling.still(finding, &status) => {
+                let lasted = observed.at.duration_since(settling.since);
+                (lasted >= self.needed(finding)).then(|| self.believed(finding, status))
+            }
+            Some(_) | None => {
+                self.settling = Some(Settling {
+                    finding,
+                    first: status,
+                    since: observed.at,
+                });
+                None
+            }
+        }
+    }
+
+    /// How long a finding has to stay true.
+    fn needed(&self, finding: Finding) -> Duration {
+        let scaled = match finding {
+            Finding::NotTaken { .. } => self.plan.drain(),
+            Finding::Unfinished
+            | Finding::PoseMismatch { .. }
+            | Finding::OutputMismatch { .. }
+            | Finding::Restarted { .. }
+            | Finding::Overtaken { .. } => self.plan.settle(),
+        };
+        scaled.max(APART.div_f64(self.plan.time_scale))
+    }
+
+    fn believed(&self, finding: Finding, status: StatusLine) -> MotionEnd {
+        let error = finding.into_error(self.open.number);
+        match finding {
+            Finding::NotTaken { .. } => MotionEnd::NotSent { error },
+            Finding::Unfinished
+            | Finding::PoseMismatch { .. }
+            | Finding::OutputMismatch { .. }
+            | Finding::Restarted { .. }
+            | Finding::Overtaken { .. } => MotionEnd::InDoubt {
+                error,
+                status: Some(status),
+            },
+        }
+    }
+}
+
+impl Settling {
+    /// Whether a later status line shows the same thing at the same place. That a command was not taken does not
+    /// depend on where the arm is.
+    fn still(&self, finding: Finding, status: &StatusLine) -> bool {
+        if !self.finding.same_kind(finding) {
+            return false;
+        }
+        if matches!(finding, Finding::NotTaken { .. }) {
+            return true;
+        }
+        let (apart, turned) = poses_apart(&self.first.pose, &status.pose);
+        let joints = joints_apart(&self.first.joints, &status.joints);
+        apart <= SAME_POSITION && turned <= SAME_ROTATION && joints <= SAME_ROTATION
+    }
+}

@@ -1,0 +1,84 @@
+use std::future::Future;
+
+use protocol::v2::{Command, ErrorCode, FinishStatus, MotionNumber, StatusLine};
+use tokio::time::Instant;
+use uuid::Uuid;
+
+use super::error::LinkError;
+use crate::request_id::RequestId;
+
+/// A command whose intent is durable: it may be sent, once.
+#[derive(Clone, Debug)]
+pub(crate) struct MotionOrder {
+    /// The motion's id.
+    pub(crate) motion: Uuid,
+    /// The wire epoch it was numbered in. In any other it is not sent.
+    pub(crate) wire_epoch: u32,
+    /// Its number in that epoch, from 1, rising.
+    pub(crate) seq: u32,
+    pub(crate) command: Command,
+    /// Nothing is sent from here on.
+    pub(crate) not_after: Instant,
+    pub(crate) request_id: RequestId,
+}
+
+impl MotionOrder {
+    pub(crate) fn number(&self) -> MotionNumber {
+        MotionNumber {
+            epoch: self.wire_epoch,
+            seq: self.seq,
+        }
+    }
+}
+
+/// Is told what becomes of the orders of a link: by the link's one task, in order. The next command is not sent
+/// before `ended` has returned.
+pub(crate) trait MotionObserver: Send + Sync + 'static {
+    /// Whether the motion is still wanted. Asked before its turn and once more before its first byte.
+    fn may_begin(&self, motion: Uuid) -> bool {
+        let _ = motion;
+        true
+    }
+    /// From here on bytes may be on their way.
+    fn dispatched(&self, motion: Uuid) -> impl Future<Output = ()> + Send;
+    /// The controller has stored the number.
+    fn accepted(&self, motion: Uuid) -> impl Future<Output = ()> + Send;
+    /// The arm was seen moving. A short motion may end without it.
+    fn executing(&self, motion: Uuid) -> impl Future<Output = ()> + Send;
+    /// The end, as far as can be known. Not called for a motion the server leaves in flight when it stops: its intent
+    /// stays open, and the next start asks the controller.
+    fn ended(&self, motion: Uuid, end: MotionEnd) -> impl Future<Output = ()> + Send;
+}
+
+/// What became of an order.
+#[derive(Debug)]
+pub(crate) enum MotionEnd {
+    /// Seen at the target and standing still.
+    Arrived { status: StatusLine },
+    /// The controller refused it: nothing was stored, nothing happened.
+    Rejected { code: Rejection, text: String },
+    /// Proven not executed: it was not sent, or the controller's own record, behind a fence, shows that it was not
+    /// taken and never will be.
+    NotSent { error: LinkError },
+    /// The controller ended it before the target. `status` says where the arm stands.
+    Interrupted {
+        fin_status: FinishStatus,
+        status: StatusLine,
+    },
+    /// It cannot be known. Never sent again; a person looks.
+    InDoubt {
+        error: LinkError,
+        status: Option<StatusLine>,
+    },
+}
+
+/// How the controller refused.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(crate) enum Rejection {
+    /// The epoch is below the highest it has seen.
+    Stale { epoch_max: u32 },
+    /// Another motion runs.
+    Busy(MotionNumber),
+    /// An error code.
+    Error(ErrorCode),
+}
