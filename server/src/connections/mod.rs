@@ -5,13 +5,14 @@
 //! place is on loan, and the next caller may get it. Every connection's [`Standing`] says whose turn it is:
 //!
 //! ```text
-//!  Arriving ─┐                    ┌───────────── Idle ◄── Sent ◄─┐
-//!            ├─► Body ─► Handling │ (first byte)                 │
-//!  Head ─────┘                  └─┼─► Answering ─────────────────┤
-//!    ▲                            │                              │
-//!    └────────────────────────────┘   Streaming ─────────────────┘
-//!  peer's turn: Arriving, Head, Body, and Answering while the peer takes nothing
-//!  ours:        Handling, and Answering while it goes
+//!  Accepted ─► Arriving ─┐
+//!                        ├─► Body ─► Handling ─► Answering ─► Sent ─► Idle ─┐
+//!                  Head ─┘                  └──► Streaming                  │
+//!                   ▲                                                       │
+//!                   └────────────────────── first byte ─────────────────────┘
+//!
+//!  the peer's turn: Arriving, Head, Body; Answering and Sent while the peer takes nothing
+//!  ours:            Accepted (not looked at yet), Handling; Answering while it goes
 //! ```
 //!
 //! When a caller arrives and every place is taken, one connection is closed for it ([`choice`]):

@@ -59,7 +59,7 @@ pub(crate) async fn run(port: u16) -> Result<()> {
 
 async fn hold(number: u8, server: SocketAddr) -> Result<()> {
     let socket = TcpSocket::new_v4()?;
-    let own = if number % 2 == 0 {
+    let own = if number.is_multiple_of(2) {
         Ipv4Addr::LOCALHOST
     } else {
         Ipv4Addr::new(127, 0, 1, number)

@@ -1,10 +1,9 @@
-//! Motions that are accepted: 50 a second on the robots that answer. Where the server has a journal, the durable intent
-//! is part of it.
+//! Motions that are accepted: 50 a second on robots that answer and are not told to stop, the durable intent included.
 
 use std::time::SystemTime;
 
 use crate::client::{Client, post};
-use crate::plant::GOOD;
+use crate::plant::NOT_STOPPED;
 use crate::schedule::Load;
 use crate::served::CELL;
 
@@ -18,7 +17,7 @@ pub(crate) const BODY: &str = r#"{"type":"JOINT","target":{"pose":{"x_mm":985,"y
 pub(crate) fn load(port: u16) -> Load {
     Load::new("POST motion", RATE, 12, move |worker| {
         let mut client = Client::new(port);
-        let path = path(worker % GOOD);
+        let path = path(worker % NOT_STOPPED);
         let run = run_id();
         Box::new(move |number| {
             let key = format!("{run}-{worker}-{number}");

@@ -11,7 +11,9 @@ use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio::net::{TcpListener, TcpStream};
 
 /// How many answer; their places in the list come first.
-pub(crate) const GOOD: usize = 6;
+const GOOD: usize = 6;
+/// How many of those are never told to stop, which would take back the motions that wait for them.
+pub(crate) const NOT_STOPPED: usize = 4;
 /// The one that is mute.
 pub(crate) const MUTE: usize = 6;
 /// The one that cannot be reached.

@@ -153,6 +153,8 @@ fn intent(journal: &SqliteJournal, seq: u64) -> Intent {
             not_after: None,
             wire_epoch: None,
             from: None,
+            boot: None,
+            to_joints: false,
         })),
     }
 }

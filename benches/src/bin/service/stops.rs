@@ -1,6 +1,7 @@
-//! Stops: 20 a second, of all eight robots, the dead ones among them.
+//! Stops: 20 a second, of two robots that answer and of both dead ones.
 
 use crate::client::{Client, post};
+use crate::plant::NOT_STOPPED;
 use crate::schedule::Load;
 use crate::served::CELL;
 
@@ -22,6 +23,6 @@ pub(crate) fn load(port: u16) -> Option<Load> {
     }
     Some(Load::new("POST stop", RATE, 8, move |worker| {
         let mut client = Client::new(port);
-        Box::new(move |_number| client.http(&request(worker % 8), status))
+        Box::new(move |_number| client.http(&request(NOT_STOPPED + worker % 4), status))
     }))
 }
