@@ -6,3 +6,4 @@
 
 pub mod arms;
 pub mod compare;
+pub mod processes;

@@ -15,6 +15,7 @@ use axum::response::{IntoResponse as _, Response};
 use tokio::time::{Instant, timeout};
 use tracing::{Instrument as _, field};
 
+use crate::connections::StreamPlace;
 use crate::guard;
 use crate::identity::{Asked, Principal};
 use crate::problem::{Problem, outcome_of_nothing_sent};
@@ -58,6 +59,9 @@ pub(crate) async fn edge(
     } else if response.status() == StatusCode::METHOD_NOT_ALLOWED {
         response = method_not_allowed(&method, &response, uri.path(), &request_id);
     }
+    if is_event_stream(&response) {
+        response = place_stream(&app, response, uri.path(), &request_id);
+    }
     add_headers(response.headers_mut(), &request_id);
     let took = started.elapsed();
     let status = response.status();
@@ -100,6 +104,27 @@ fn admit(
     let _token = request.headers_mut().remove(header::AUTHORIZATION);
     let _none = request.extensions_mut().insert(principal.clone());
     Ok(principal)
+}
+
+fn is_event_stream(response: &Response) -> bool {
+    let content_type = response.headers().get(header::CONTENT_TYPE);
+    content_type.is_some_and(|value| value.as_bytes().starts_with(b"text/event-stream"))
+}
+
+/// A stream of events lasts: it has a place of its own kind, or it is not begun.
+fn place_stream(app: &App, mut stream: Response, path: &str, request_id: &str) -> Response {
+    let Ok(permit) = Arc::clone(&app.streams).try_acquire_owned() else {
+        let detail = format!(
+            "{} streams of events are open, and no more may be",
+            app.server.max_event_streams
+        );
+        return Problem::new(ProblemCode::ServerBusy, detail)
+            .retry_after_a_second()
+            .into_answer(path, request_id);
+    };
+    let place = StreamPlace::from(permit);
+    let _none = stream.extensions_mut().insert(place);
+    stream
 }
 
 /// Adds what every answer has: its id, and that no other page may frame it or take it for something else.
@@ -185,7 +210,7 @@ fn method_not_allowed(method: &Method, bare: &Response, path: &str, request_id: 
 #[cfg(test)]
 mod tests {
     use axum::body::{Body, to_bytes};
-    use axum::routing::post;
+    use axum::routing::{get, post};
     use axum::{Router, middleware};
     use tokio_util::sync::CancellationToken;
     use tokio_util::task::TaskTracker;
@@ -196,6 +221,17 @@ mod tests {
     use crate::{Seams, SharedJournal, SystemClock, TcpConnector};
 
     async fn app() -> Arc<App> {
+        app_with(&demo()).await
+    }
+
+    fn demo() -> ServerSection {
+        ServerSection {
+            demo: true,
+            ..ServerSection::default()
+        }
+    }
+
+    async fn app_with(server: &ServerSection) -> Arc<App> {
         let cell = CellSection {
             id: "c1".to_owned(),
             name: None,
@@ -203,11 +239,7 @@ mod tests {
             push_urls: std::collections::BTreeMap::new(),
             robots: vec![RobotSection::new("r1", "fanuc-m20ia", "127.0.0.1:1")],
         };
-        let section = ServerSection {
-            demo: true,
-            ..ServerSection::default()
-        };
-        let plan = Plan::try_new(&section, &[cell]).unwrap();
+        let plan = Plan::try_new(server, &[cell]).unwrap();
         let seams = Seams {
             connector: TcpConnector::default(),
             clock: Arc::new(SystemClock),
@@ -254,5 +286,33 @@ mod tests {
         assert_eq!(status, StatusCode::REQUEST_TIMEOUT);
         assert_eq!(problem.outcome, Outcome::Unknown);
         assert!(problem.detail.contains("75000 ms"), "{}", problem.detail);
+    }
+
+    #[tokio::test]
+    async fn streams_of_events_have_places_of_their_own() {
+        let app = app_with(&ServerSection {
+            max_event_streams: 1,
+            ..demo()
+        })
+        .await;
+        let events = async || ([(header::CONTENT_TYPE, "text/event-stream")], "");
+        let router = Router::new()
+            .route("/", get(events))
+            .layer(middleware::from_fn_with_state(Arc::clone(&app), edge))
+            .with_state(app);
+        let asked = || {
+            let request = Request::get("/").body(Body::empty()).unwrap();
+            router.clone().oneshot(request)
+        };
+        let first = asked().await.unwrap();
+        assert_eq!(first.status(), StatusCode::OK);
+        let second = asked().await.unwrap();
+        assert_eq!(second.status(), StatusCode::SERVICE_UNAVAILABLE);
+        assert_eq!(second.headers()["retry-after"], "1");
+        let body = to_bytes(second.into_body(), 10_000).await.unwrap();
+        let problem: api::Problem = serde_json::from_slice(&body).unwrap();
+        assert_eq!(problem.code, ProblemCode::ServerBusy);
+        drop(first);
+        assert_eq!(asked().await.unwrap().status(), StatusCode::OK);
     }
 }

@@ -7,7 +7,7 @@
 //! ```text
 //! connection ── edge ── route ── target ──────────── link ─────────────── controller
 //!  serve.rs     id,     JSON     rounding,           queue, deadline,     one connection
-//!  stall.rs     time,   to       inverse             one owner task,      a command
+//!  connections/ time,   to       inverse             one owner task,      a command
 //!               problem units    kinematics, limits  at most one send
 //! ```
 //!
@@ -52,6 +52,7 @@ pub mod authority;
 mod cell;
 mod clock;
 pub mod config;
+mod connections;
 mod edge;
 mod extract;
 mod guard;
@@ -66,12 +67,7 @@ mod request_id;
 mod router;
 mod routes;
 mod serve;
-#[expect(
-    dead_code,
-    reason = "resolving and following the set-up is for the driver of the workflows, which comes with them"
-)]
 mod setup;
-mod stall;
 mod state;
 mod target;
 mod wire_bodies;
@@ -79,6 +75,7 @@ mod wire_bodies;
 pub use self::journal::{JournalError, SharedJournal, open as open_journal};
 pub use clock::{SystemClock, WallClock};
 pub use config::{ConfigError, Plan};
+pub use connections::Listener;
 pub use link::{AddressError, Connector, ControllerAddress, TcpConnection, TcpConnector};
 pub use openapi::{OpenApiError, openapi, openapi_yaml};
 pub use serve::{ServeError, run, start};

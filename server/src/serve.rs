@@ -1,31 +1,24 @@
 //! The accept loop: connections, their limits, and the orderly end.
 
-use std::convert::Infallible;
-use std::net::{IpAddr, SocketAddr};
+use std::net::IpAddr;
 use std::sync::Arc;
 
 use axum::Router;
-use axum::response::Response;
-use axum::serve::Listener;
-use hyper::Request;
-use hyper::body::Incoming;
 use hyper::server::conn::http1;
-use hyper::service::Service;
-use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper::service::service_fn;
+use hyper_util::rt::TokioIo;
 use hyper_util::server::graceful::GracefulShutdown;
-use hyper_util::service::{TowerToHyperService, TowerToHyperServiceFuture};
 use thiserror::Error;
-use tokio::sync::Semaphore;
-use tokio::time::{Duration, MissedTickBehavior, interval, timeout};
+use tokio::time::{Duration, MissedTickBehavior, interval, sleep, timeout};
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
 use crate::config::{Plan, ServerPlan};
+use crate::connections::{AcceptFailures, Listener, Table, Watched, answer};
 use crate::link::Connector;
 use crate::openapi;
 use crate::router;
 use crate::setup::StoreError;
-use crate::stall::StallGuard;
 use crate::state::{App, Seams};
 
 /// The most headers of one request.
@@ -60,16 +53,18 @@ pub enum ServeError {
 ///
 /// # Errors
 /// The server could not start.
-pub async fn run<L: Listener<Addr = SocketAddr>, C: Connector>(
+pub async fn run<L: Listener, C: Connector>(
     listener: L,
     plan: Plan,
     seams: Seams<C>,
     stop: CancellationToken,
 ) -> Result<(), ServeError> {
     let limits = plan.server.clone();
+    let robots = plan.cells.iter().map(|cell| cell.robots.len()).sum();
+    let table = Arc::new(Table::new(&limits, robots));
     let tracker = TaskTracker::new();
     let router = start(plan, seams, &tracker, &stop).await?;
-    serve(listener, router, &limits, &stop).await;
+    serve(listener, router, table, &limits, &stop).await;
     let _closed = tracker.close();
     tracker.wait().await;
     tracing::info!("the server has stopped");
@@ -105,44 +100,66 @@ async fn keep_up(app: Arc<App>, stop: CancellationToken) {
     }
 }
 
-async fn serve<L: Listener<Addr = SocketAddr>>(
+async fn serve<L: Listener>(
     mut listener: L,
     router: Router,
+    table: Arc<Table>,
     limits: &ServerPlan,
     stop: &CancellationToken,
 ) {
     let mut http = http1::Builder::new();
+    // No timers: the table sweeps.
     let _builder = http
-        .timer(TokioTimer::new())
-        .header_read_timeout(limits.header_timeout)
         .max_headers(MAX_HEADERS)
         .max_header_size(MAX_HEAD_BYTES);
     let graceful = GracefulShutdown::new();
     let cut_off = CancellationToken::new();
     let connections = TaskTracker::new();
-    let places = Arc::new(Semaphore::new(limits.max_connections));
-    // The place comes first, so that connections beyond the limit wait in the kernel and cost nothing here.
-    while let Some(Ok(place)) = stop
-        .run_until_cancelled(Arc::clone(&places).acquire_owned())
-        .await
-    {
-        // Errors of accepting are logged and waited out by the listener.
-        let Some((stream, peer)) = stop.run_until_cancelled(listener.accept()).await else {
+    let sweeping = {
+        let (table, cut_off) = (Arc::clone(&table), cut_off.clone());
+        tokio::spawn(async move { cut_off.run_until_cancelled(table.sweep()).await })
+    };
+    if let Err(error) = listener.prepare() {
+        tracing::warn!(%error, "the backlog of the listener stays as it is");
+    }
+    let mut failures = AcceptFailures::none();
+    while let Some(accepted) = stop.run_until_cancelled(listener.accept()).await {
+        let (stream, peer) = match accepted {
+            Ok(accepted) => accepted,
+            Err(error) => {
+                if let Some(pause) = failures.note(&error) {
+                    let _made = table.make_room();
+                    let _stopped = stop.run_until_cancelled(sleep(pause)).await;
+                }
+                continue;
+            }
+        };
+        failures = AcceptFailures::none();
+        // Who finds neither a place nor anybody to make room waits, and the others behind it in the kernel.
+        let Some(seat) = stop.run_until_cancelled(table.seat(peer.ip())).await else {
             break;
         };
-        let stream = StallGuard::new(stream, limits.write_timeout);
-        let service = FromPeer {
-            router: TowerToHyperService::new(router.clone()),
-            peer: Peer(peer.ip()),
-        };
-        let connection = http.serve_connection(TokioIo::new(stream), service);
-        let connection = graceful.watch(connection);
+        let stream = TokioIo::new(Watched::new(stream, Arc::clone(&seat.standing)));
+        let (router, standing) = (router.clone(), Arc::clone(&seat.standing));
+        let address = peer.ip();
+        let service = service_fn(move |mut request: hyper::Request<_>| {
+            let _none = request.extensions_mut().insert(Peer(address));
+            answer(router.clone(), Arc::clone(&standing), request)
+        });
+        let connection = graceful.watch(http.serve_connection(stream, service));
         let cut_off = cut_off.clone();
         drop(connections.spawn(async move {
-            if let Some(Err(error)) = cut_off.run_until_cancelled(connection).await {
-                tracing::debug!(%error, "a connection broke off");
+            tokio::select! {
+                biased;
+                ended = connection => if let Err(error) = ended {
+                    tracing::debug!(%error, "a connection broke off");
+                },
+                () = seat.standing.closed() => {
+                    tracing::debug!(%peer, "a connection was closed: it was late, or made room");
+                }
+                () = cut_off.cancelled() => {}
             }
-            drop(place);
+            drop(seat);
         }));
     }
     drop(listener);
@@ -156,26 +173,9 @@ async fn serve<L: Listener<Addr = SocketAddr>>(
     cut_off.cancel();
     let _closed = connections.close();
     connections.wait().await;
+    let _swept = sweeping.await;
 }
 
 /// The machine at the other end of a request's connection.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Peer(pub(crate) IpAddr);
-
-/// The router, telling each request which machine it comes from.
-#[derive(Debug)]
-struct FromPeer {
-    router: TowerToHyperService<Router>,
-    peer: Peer,
-}
-
-impl Service<Request<Incoming>> for FromPeer {
-    type Response = Response;
-    type Error = Infallible;
-    type Future = TowerToHyperServiceFuture<Router, Request<Incoming>>;
-
-    fn call(&self, mut request: Request<Incoming>) -> Self::Future {
-        let _none = request.extensions_mut().insert(self.peer);
-        self.router.call(request)
-    }
-}

@@ -2,6 +2,7 @@ use std::sync::Arc;
 
 use api::{LinkState, Tier};
 use kinematics::PendantJoints;
+use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
@@ -29,6 +30,8 @@ pub(crate) struct App {
     pub(crate) clock: Arc<dyn WallClock>,
     pub(crate) identity: Identity,
     pub(crate) audit: Arc<dyn AuditSink>,
+    /// Places for streams of events.
+    pub(crate) streams: Arc<Semaphore>,
     pub(crate) journal: SharedJournal,
     pub(crate) keys: InFlight,
 }
@@ -229,6 +232,7 @@ impl App {
             unreachable!("a plan's legacy robot is one of its robots");
         };
         Ok(Self {
+            streams: Arc::new(Semaphore::new(plan.server.max_event_streams)),
             server: plan.server,
             cells,
             legacy,

@@ -14,6 +14,8 @@ pub(crate) enum Which {
     KinematicsCriterion,
     /// A tier-0 move beside raw TCP and a bare axum route.
     Bridge,
+    /// The service goals: latencies with and without an attack, memory, open files, restart.
+    Service,
     /// Steps a second of the mobile base's control laws.
     MobileBase,
     /// Idle memory and time to the first response of the whole cell.
@@ -36,6 +38,7 @@ pub(crate) fn run(which: Which, args: &[String]) -> Result<()> {
             args,
         ),
         Which::Bridge => binary("bridge", args),
+        Which::Service => binary("service", args),
         Which::MobileBase => binary("mobile_base", args),
         Which::Footprint => {
             cargo(&["build", "--release", "--package", "cell"], &[])?;

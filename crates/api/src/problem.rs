@@ -199,6 +199,8 @@ problem_codes! {
     DemoMode, "demo-mode", 409, "The server runs in demo mode";
     /// What was asked could not be written down, so it was not done.
     NotRecorded, "not-recorded", 503, "The change could not be recorded";
+    /// The server has as many event streams open as it may.
+    ServerBusy, "server-busy", 503, "The server has no place for the request";
     /// An effectful POST without `Idempotency-Key`.
     IdempotencyMissing, "idempotency-missing", 400, "The idempotency key is missing";
     /// The `Idempotency-Key` was used with another request.

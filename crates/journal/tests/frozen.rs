@@ -53,6 +53,7 @@ fn asked_intent() -> Record {
     let mut intent = intent(Epoch(1), 1, None);
     intent.speed_um_s = 0;
     intent.asked = Some(Box::new(Asked {
+        output: None,
         motion_type: "RELATIVE".into(),
         principal: "anna".into(),
         joints_mdeg: [0, 0, 0, 0, -90_000, 0],

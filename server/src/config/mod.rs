@@ -31,8 +31,11 @@ pub struct ServerSection {
     pub legacy_robot: Option<String>,
     /// The largest request body read, in bytes.
     pub max_body_bytes: u64,
-    /// How long the head of a request may take to arrive; also how long a connection may idle, in milliseconds.
+    /// How long the head of a request may take to arrive, in milliseconds.
     pub header_timeout_ms: u64,
+    /// How long a connection may idle between two requests, in milliseconds. It may be long: an idle connection gives
+    /// way where somebody needs its place.
+    pub idle_timeout_ms: u64,
     /// How long a request's body may take to arrive, in milliseconds.
     pub body_timeout_ms: u64,
     /// How long a caller may take nothing of its answer, in milliseconds.
@@ -41,8 +44,17 @@ pub struct ServerSection {
     pub request_timeout_ms: u64,
     /// How long requests may still run after the server was told to stop, in milliseconds.
     pub shutdown_timeout_ms: u64,
-    /// How many connections may be open at once; further ones wait in the kernel's backlog.
+    /// How many connections may be open at once, event streams not counted. For a further one, a connection is closed
+    /// whose peer keeps the server waiting for a head, a body or for taking its answer; else one that idles; else one
+    /// whose request has taken more than a second, and whose command goes on. Each time it is one of the address that
+    /// has most of them. Where the process may not open enough files, there are fewer places, and the log says so.
     pub max_connections: u64,
+    /// How many connections of one address may keep the server waiting at a time; a further one takes the place of the
+    /// oldest of them. Connections that are served, or idle after they were, do not count: behind one address there
+    /// may be a whole plant, and on loopback there is everybody.
+    pub max_waiting_per_address: u64,
+    /// How many streams of events may be open at once; who asks for a further one is told to come back.
+    pub max_event_streams: u64,
 }
 
 impl Default for ServerSection {
@@ -55,11 +67,14 @@ impl Default for ServerSection {
             legacy_robot: None,
             max_body_bytes: 64 * 1024,
             header_timeout_ms: 5_000,
+            idle_timeout_ms: 30_000,
             body_timeout_ms: 10_000,
             write_timeout_ms: 10_000,
             request_timeout_ms: 75_000,
             shutdown_timeout_ms: 10_000,
             max_connections: 256,
+            max_waiting_per_address: 32,
+            max_event_streams: 64,
         }
     }
 }

@@ -32,11 +32,14 @@ pub struct ServerPlan {
     pub(crate) allowed_hosts: Vec<String>,
     pub(crate) max_body_bytes: usize,
     pub(crate) header_timeout: Duration,
+    pub(crate) idle_timeout: Duration,
     pub(crate) body_timeout: Duration,
     pub(crate) write_timeout: Duration,
     pub(crate) request_timeout: Duration,
     pub(crate) shutdown_timeout: Duration,
     pub(crate) max_connections: usize,
+    pub(crate) max_waiting_per_address: usize,
+    pub(crate) max_event_streams: usize,
 }
 
 impl Plan {
@@ -140,6 +143,7 @@ impl ServerPlan {
                 1 << 20,
             )?,
             header_timeout: millis("header_timeout_ms", section.header_timeout_ms, 1, 60_000)?,
+            idle_timeout: millis("idle_timeout_ms", section.idle_timeout_ms, 1, 600_000)?,
             body_timeout,
             write_timeout: millis("write_timeout_ms", section.write_timeout_ms, 1, 60_000)?,
             // Longer than anything a handler waits for on its own, so that it only ends what is stuck.
@@ -156,6 +160,18 @@ impl ServerPlan {
                 60_000,
             )?,
             max_connections: count("server.max_connections", section.max_connections, 1, 10_000)?,
+            max_waiting_per_address: count(
+                "server.max_waiting_per_address",
+                section.max_waiting_per_address,
+                1,
+                10_000,
+            )?,
+            max_event_streams: count(
+                "server.max_event_streams",
+                section.max_event_streams,
+                0,
+                10_000,
+            )?,
         })
     }
 }

@@ -9,6 +9,7 @@
 mod access_matrix;
 mod bad_bodies;
 mod config;
+mod connections;
 mod control;
 mod deltas;
 mod document;

@@ -76,35 +76,6 @@ async fn a_request_that_could_be_read_two_ways_is_refused() {
 }
 
 #[tokio::test]
-async fn connections_beyond_the_limit_wait() {
-    let robot = FakeRobot::accepting().await;
-    let section = ServerSection {
-        max_connections: 1,
-        ..ServerSection::default()
-    };
-    let server = Arc::new(with(section, &robot).await);
-    let mut first = TcpStream::connect(server.address).await.unwrap();
-    first
-        .write_all(b"GET /livez HTTP/1.1\r\nhost: localhost\r\n\r\n")
-        .await
-        .unwrap();
-    let mut answer = [0; 12];
-    let _count = first.read_exact(&mut answer).await.unwrap();
-    assert_eq!(&answer, b"HTTP/1.1 200");
-
-    let second = tokio::spawn({
-        let server = Arc::clone(&server);
-        async move { server.get("/livez").await }
-    });
-    for _ in 0..100 {
-        tokio::task::yield_now().await;
-    }
-    assert!(!second.is_finished());
-    drop(first);
-    assert_eq!(second.await.unwrap().status, 200);
-}
-
-#[tokio::test]
 async fn one_connection_serves_many_requests() {
     let robot = FakeRobot::accepting().await;
     let server = TestServer::start(&robot).await;

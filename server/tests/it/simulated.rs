@@ -12,7 +12,7 @@ use std::time::Duration;
 use jiff::Timestamp;
 use serde_json::Value;
 use server::config::{CellSection, RobotSection, ServerSection};
-use server::{Connector, ControllerAddress, Plan, Seams, SharedJournal, WallClock};
+use server::{Connector, ControllerAddress, Listener, Plan, Seams, SharedJournal, WallClock};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::time::sleep;
 use tokio_util::sync::CancellationToken;
@@ -69,16 +69,11 @@ impl Connector for SimulatedNetwork {
 
 struct SimulatedListener(TcpListener);
 
-impl axum::serve::Listener for SimulatedListener {
+impl Listener for SimulatedListener {
     type Io = TcpStream;
-    type Addr = SocketAddr;
 
-    async fn accept(&mut self) -> (TcpStream, SocketAddr) {
-        self.0.accept().await.unwrap()
-    }
-
-    fn local_addr(&self) -> io::Result<SocketAddr> {
-        self.0.local_addr()
+    async fn accept(&mut self) -> io::Result<(TcpStream, SocketAddr)> {
+        self.0.accept().await
     }
 }
 

@@ -7,7 +7,6 @@ mod bare;
 mod http;
 mod load;
 mod minimal;
-mod processes;
 mod raw;
 mod report;
 mod robot;
@@ -16,6 +15,7 @@ mod served;
 use std::time::Duration;
 
 use anyhow::Result;
+use benches::processes;
 use clap::{Parser, Subcommand};
 
 /// A tier-0 move beside raw TCP and a bare axum route.
