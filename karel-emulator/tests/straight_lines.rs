@@ -1,8 +1,14 @@
 //! Motions of TP programs: straight lines that are straight, percentages, and what is refused.
+#![allow(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    reason = "a helper that fails stops its test"
+)]
 
 mod common;
 
 use common::{Stepped, arm};
+use karel_emulator::LedgerEvent::{Finished, Started};
 use karel_emulator::ledger::MotionKind;
 use karel_emulator::{ControllerConfig, LedgerEvent, ProgramSource};
 use kinematics::Axis;
@@ -90,7 +96,6 @@ async fn a_straight_line_is_straight_at_its_speed_and_within_every_joints_speed(
         assert!((is - wanted).abs() < 1e-3, "{end}");
     }
     let flat: Vec<LedgerEvent> = kinds(&cell).await.into_iter().map(|e| e.0).collect();
-    use LedgerEvent::{Finished, Started};
     assert_eq!(flat, [Started, Finished, Started, Finished]);
 }
 
