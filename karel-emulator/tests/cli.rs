@@ -39,8 +39,9 @@ fn check_reads_listings_of_tp_programs_and_all_that_is_shipped_is_good() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../programs");
     let mut files: Vec<String> = std::fs::read_dir(folder)
         .expect("the programs are there")
-        .map(|entry| entry.expect("it can be read").path().display().to_string())
-        .filter(|name| name.ends_with(".kl") || name.ends_with(".ls"))
+        .map(|entry| entry.expect("it can be read").path())
+        .filter(|path| path.extension().is_some_and(|e| e == "kl" || e == "ls"))
+        .map(|path| path.display().to_string())
         .collect();
     files.sort();
     assert_eq!(files.len(), 6);

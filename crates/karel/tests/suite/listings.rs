@@ -5,11 +5,12 @@ use karel::{Limits, Machine, Number, Program, TaskState};
 use crate::host::{ScriptedHost, run};
 
 fn listing(lines: &[&str]) -> String {
-    let mut text = "/PROG  T\n/ATTR\nOWNER = X;\n/MN\n".to_owned();
-    for (n, line) in lines.iter().enumerate() {
-        text += &format!("{:4}:  {line}    ;\n", n + 1);
-    }
-    text + "/POS\n/END\n"
+    let head = "/PROG  T\n/ATTR\nOWNER = X;\n/MN\n".to_owned();
+    let numbered = lines.iter().enumerate();
+    let lines: Vec<String> = numbered
+        .map(|(n, line)| format!("{:4}:  {line}    ;\n", n + 1))
+        .collect();
+    head + &lines.concat() + "/POS\n/END\n"
 }
 
 /// `R[1]` to `R[4]` after the program has run, or the error that ended it.
