@@ -9,7 +9,7 @@ use kinematics::{ArmModel, PendantJoints};
 use crate::gripper::{GripperConfig, SharedWorkpieces, Workpieces};
 use crate::ports::PortCounts;
 
-/// A KAREL program's source text.
+/// A program's source text: KAREL, or the listing of a TP program if the name ends with `.ls`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProgramSource {
     /// File name for messages, such as `sock_server.kl`.

@@ -11,6 +11,10 @@ use crate::ports::PortView;
 
 /// A snapshot of one controller.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a lamp or a switch of its own, and the JSON names it"
+)]
 pub struct State {
     /// The controller's name.
     pub controller: String,

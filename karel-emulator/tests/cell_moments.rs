@@ -1,5 +1,10 @@
 //! A stop, a fence, a hold or a power failure at every moment of a command, on a processor so slow that each moment is
 //! a few statements long.
+#![allow(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    reason = "a helper that fails stops its test"
+)]
 
 mod common;
 

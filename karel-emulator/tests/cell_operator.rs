@@ -1,9 +1,15 @@
 //! What an operator at the controller does to the cell server: local control wins, and nothing goes on by itself.
+#![allow(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    reason = "a helper that fails stops its test"
+)]
 
 mod common;
 
 use common::Stepped;
 use common::wire::{Line, cell, command, field, joints, starts};
+use karel_emulator::LedgerEvent::{Cancelled, Held, Started};
 use karel_emulator::alarms::Severity;
 use karel_emulator::ledger::JointsDeg;
 use karel_emulator::{LedgerEvent, OperateError, OperatingMode, Operation};
@@ -165,7 +171,6 @@ async fn a_held_motion_without_heartbeats_is_ended_and_a_cycle_start_does_not_re
     cell.advance(3.0).await;
     assert_eq!(cell.controller.state().await.unwrap().joints_deg, at);
     let events: Vec<LedgerEvent> = cell.events().await.into_iter().map(|e| e.1).collect();
-    use LedgerEvent::{Cancelled, Held, Started};
     assert_eq!(events, [Started, Held, Cancelled]);
 }
 

@@ -4,6 +4,7 @@ mod common;
 
 use common::wire::{Line, cell, command, field, joints, nonce, pose, starts};
 use karel_emulator::LedgerEvent;
+use karel_emulator::LedgerEvent::{Finished, Held, Resumed, Started};
 use karel_emulator::ledger::MotionKind;
 
 const THERE: [f64; 6] = [20.0, 10.0, -10.0, 5.0, -60.0, 15.0];
@@ -71,6 +72,9 @@ async fn a_pose_is_reached_in_the_configuration_that_was_asked_for_and_a_line_is
     assert!((1.26..1.6).contains(&last.duration_s.unwrap()), "{last:?}");
 }
 
+/// Writes a command with this nonce.
+type Write = Box<dyn Fn(&str) -> String>;
+
 #[tokio::test]
 async fn every_refusal_says_why_and_stores_nothing() {
     let cell = cell();
@@ -78,7 +82,6 @@ async fn every_refusal_says_why_and_stores_nothing() {
     let near = [900.0, 100.0, 700.0, 180.0, 0.0, 0.0];
     let mut beyond = THERE;
     beyond[0] = 300.0;
-    type Write = Box<dyn Fn(&str) -> String>;
     let cases: Vec<(&str, Write, &str)> = vec![
         (
             "far",
@@ -250,7 +253,6 @@ async fn a_hold_brakes_and_a_continue_goes_on_to_the_target() {
     assert_eq!(field(&status.ask("C").await, "held"), 0);
     assert_eq!(line.next().await[..4], ["DONE", "1000", "1", "0"]);
     let events: Vec<LedgerEvent> = cell.events().await.into_iter().map(|e| e.1).collect();
-    use LedgerEvent::{Finished, Held, Resumed, Started};
     assert_eq!(events, [Started, Held, Resumed, Finished]);
     assert_eq!(field(&status.ask("S 1000").await, "j1"), 20_000);
 }

@@ -35,6 +35,32 @@ fn check_says_nothing_about_a_good_program_and_points_at_an_error() {
 }
 
 #[test]
+fn check_reads_listings_of_tp_programs_and_all_that_is_shipped_is_good() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../programs");
+    let mut files: Vec<String> = std::fs::read_dir(folder)
+        .expect("the programs are there")
+        .map(|entry| entry.expect("it can be read").path())
+        .filter(|path| path.extension().is_some_and(|e| e == "kl" || e == "ls"))
+        .map(|path| path.display().to_string())
+        .collect();
+    files.sort();
+    assert_eq!(files.len(), 6);
+    let mut arguments = vec!["check"];
+    arguments.extend(files.iter().map(String::as_str));
+    assert_eq!(run(&arguments), (Some(0), String::new()));
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let bad = folder.path().join("bad.LS");
+    let text = "/PROG BAD\n/ATTR\n/MN\n   1:  R[1]=1 ;\n   2:  JMP LBL[3] ;\n/POS\n/END\n";
+    std::fs::write(&bad, text).expect("it is writable");
+    let (code, text) = run(&["check", &bad.display().to_string()]);
+    assert_eq!(code, Some(1));
+    assert!(
+        text.contains("there is no LBL[3]") && text.contains(":5:"),
+        "{text}"
+    );
+}
+
+#[test]
 fn included_files_are_found_from_the_folder_of_the_program_whatever_their_case() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let write = |name: &str, text: &str| {

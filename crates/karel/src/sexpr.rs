@@ -188,22 +188,19 @@ impl Printer {
                 self.line(&format!("(wait-for {})", joined(conditions, expr)));
             }
             StmtKind::Delay(time) => self.line(&format!("(delay {})", expr(time))),
-            StmtKind::ConnectTimer(timer) => {
-                self.line(&format!("(connect-timer {})", path(timer)));
-            }
-            StmtKind::DisconnectTimer(timer) => {
-                self.line(&format!("(disconnect-timer {})", path(timer)));
-            }
+            StmtKind::ConnectTimer(timer) => self.timer("connect", timer),
+            StmtKind::DisconnectTimer(timer) => self.timer("disconnect", timer),
             StmtKind::MoveTo { target, waits } => {
-                let word = match waits {
-                    Waits::Yes => "",
-                    Waits::No => " nowait",
-                };
+                let word = if *waits == Waits::No { " nowait" } else { "" };
                 self.line(&format!("(move-to {}{word})", expr(target)));
             }
             StmtKind::Abort => self.line("(abort)"),
             StmtKind::Unsupported(what) => self.line(&format!("(unsupported {what:?})")),
         }
+    }
+
+    fn timer(&mut self, word: &str, timer: &Path) {
+        self.line(&format!("({word}-timer {})", path(timer)));
     }
 }
 

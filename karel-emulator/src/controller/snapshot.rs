@@ -3,6 +3,7 @@
 use karel::Wait;
 
 use super::{Controller, Task};
+use crate::hardware::gripping::Gripper;
 use crate::ledger::seconds;
 use crate::state::{JointLimit, State, TagView, TaskState, TaskWord};
 
@@ -45,7 +46,7 @@ impl Controller {
             pendant_enabled: hardware.operator.pendant,
             emergency_stop: hardware.operator.emergency_stop,
             hold: hardware.operator.hold,
-            gripper: hardware.gripper.as_ref().map(|gripper| gripper.view()),
+            gripper: hardware.gripper.as_ref().map(Gripper::view),
             override_percent: hardware.override_percent,
             motion_queue: hardware.executor.queued(),
             tasks: self

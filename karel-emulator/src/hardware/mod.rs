@@ -4,7 +4,7 @@
 //! can run with a mutable borrow of it.
 
 mod arm;
-mod gripping;
+pub(crate) mod gripping;
 mod host;
 pub(crate) mod operator;
 mod sockets;

@@ -390,7 +390,7 @@ impl<T> Executor<T> {
     }
 
     fn is_stopping(&self) -> bool {
-        self.running.as_ref().is_some_and(|r| r.is_cancelled())
+        self.running.as_ref().is_some_and(Running::is_cancelled)
     }
 
     fn start(&mut self, now: Duration, motion: Motion<T>) -> &T {

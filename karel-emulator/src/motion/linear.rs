@@ -19,6 +19,9 @@ const ROTATION_ACCELERATION: f64 = 720.0;
 const FEWEST_SAMPLES: f64 = 16.0;
 const MOST_SAMPLES: f64 = 4000.0;
 
+/// A larger change of orientation has no shortest rotation, within the rounding of a position.
+const MOST_ROTATION_DEG: f64 = 179.99;
+
 /// MOTN-023: the way runs through a singularity.
 ///
 /// ASSUMPTION: this number and the next two are from memory of error lists.
@@ -63,6 +66,10 @@ pub fn plan(
     let start = frames.tcp_in_user_frame(&model.forward(&from));
     let (length, angle) = start.distance_to(&target.tcp);
     let (length, angle) = (length.0, angle.0.to_degrees());
+    if angle > MOST_ROTATION_DEG {
+        let text = "the orientation changes by half a turn, so no rotation is the shortest";
+        return Err(Refusal::new(Status::MOTN_UNREACHABLE, text));
+    }
     let limit = |straight: f64, turning: f64| (straight / length).min(turning / angle);
     let rate = limit(speed_mm_s, ROTATION_SPEED);
     let slope = limit(
@@ -114,14 +121,7 @@ impl Way<'_> {
     /// The joints at this share of the way, near those before it.
     fn at(&self, share: f64, before: &PendantJoints) -> Result<PendantJoints, Refusal> {
         let (start, end) = (self.start.isometry(), self.end.isometry());
-        let ambiguous = || {
-            let text =
-                "the orientation changes by half a turn, so the shortest rotation is not one";
-            Refusal::new(Status::MOTN_UNREACHABLE, text)
-        };
-        let tcp = start
-            .try_lerp_slerp(end, share, 1e-9)
-            .ok_or_else(ambiguous)?;
+        let tcp = start.lerp_slerp(end, share);
         let tcp = Pose::try_from_isometry(tcp)
             .map_err(|error| Refusal::new(Status::MOTN_UNREACHABLE, error.to_string()))?;
         let flange = self.frames.flange_in_world(&tcp);

@@ -1,6 +1,10 @@
 //! What the tests of the emulator share: controllers on free ports, and clients that never wait for ever.
 #![allow(dead_code, reason = "every test file uses its own part")]
-#![allow(clippy::unwrap_used, reason = "a helper that fails stops its test")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    reason = "a helper that fails stops its test"
+)]
 
 pub(crate) mod wire;
 pub(crate) mod world;

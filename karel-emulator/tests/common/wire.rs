@@ -192,10 +192,10 @@ pub(crate) fn field(status: &[String], name: &str) -> i64 {
 }
 
 /// Sends one command on a connection of its own and returns the first answer and the open connection.
-pub(crate) async fn command<'a>(
-    cell: &'a Stepped,
+pub(crate) async fn command(
+    cell: &Stepped,
     text: impl FnOnce(&str) -> String,
-) -> (Tokens, Line<'a>) {
+) -> (Tokens, Line<'_>) {
     let mut line = Line::command(cell).await;
     let greeting = line.next().await;
     let text = text(&nonce(&greeting));

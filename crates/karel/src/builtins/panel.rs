@@ -1,10 +1,5 @@
 //! The state of the controller as its operator sees it: mode, pendant, alarms.
 
-#![expect(
-    clippy::unnecessary_wraps,
-    reason = "all built-ins have the table's signature"
-)]
-
 use super::{Builtin, Context, Outcome, Param, Returns};
 use crate::{
     machine::{cell::Cell, fault::Fault},
@@ -23,9 +18,8 @@ pub(super) const TABLE: &[Builtin] = &[
 /// ASSUMPTION: without such an alarm the number and the code are 0; there is never a cause code,
 /// and the time is 0.
 fn err_data(context: &mut Context<'_>) -> Result<Outcome, Fault> {
-    let wanted = match context.in_out(0) {
-        Cell::Integer(wanted) => *wanted,
-        _ => return Err(Fault::uninit()),
+    let Cell::Integer(wanted) = *context.in_out(0) else {
+        return Err(Fault::uninit());
     };
     let alarm = context.host.alarm(wanted);
     let (seq, code, severity) = alarm

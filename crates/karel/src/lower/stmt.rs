@@ -107,20 +107,19 @@ impl Lowering<'_> {
                 self.scalar(time);
                 self.emit(Op::Outward(Outward::Delay));
             }
-            StmtKind::ConnectTimer(timer) => {
-                self.address(timer);
-                self.emit(Op::Outward(Outward::ConnectTimer));
-            }
-            StmtKind::DisconnectTimer(timer) => {
-                self.address(timer);
-                self.emit(Op::Outward(Outward::DisconnectTimer));
-            }
+            StmtKind::ConnectTimer(timer) => self.timer(timer, Outward::ConnectTimer),
+            StmtKind::DisconnectTimer(timer) => self.timer(timer, Outward::DisconnectTimer),
             StmtKind::MoveTo { target, waits } => {
                 self.value(target);
                 self.emit(Op::Outward(Outward::Move(*waits)));
             }
             StmtKind::Abort => self.emit(Op::Outward(Outward::EndTask)),
         }
+    }
+
+    fn timer(&mut self, timer: &Place, op: Outward) {
+        self.address(timer);
+        self.emit(Op::Outward(op));
     }
 
     fn using(&mut self, places: &[(Place, u32)], body: &[Stmt]) {

@@ -7,7 +7,6 @@ use super::{
 };
 use crate::{
     diagnostic::Reports,
-    parser::Reported,
     span::{Source, Span, latin1},
 };
 
@@ -154,7 +153,7 @@ impl Sections {
         } else {
             scanner.line()
         };
-        let parsed = parsed.unwrap_or_else(|Reported| Line::Done(Instruction::Nothing));
+        let parsed = parsed.unwrap_or(Line::Done(Instruction::Nothing));
         self.lines.push((parsed, span));
     }
 }
@@ -195,16 +194,14 @@ fn resolve(
         },
         Line::Done(instruction) => instruction,
         Line::Move(motion, None) => Instruction::Move(motion),
-        Line::Move(mut motion, Some(number)) => match taught.get(&number) {
-            Some(position) => {
-                motion.target = MotionTarget::Taught(position.clone());
-                Instruction::Move(motion)
-            }
-            None => {
+        Line::Move(mut motion, Some(number)) => {
+            let Some(position) = taught.get(&number) else {
                 reports.error(span, format!("there is no P[{number}] in the section /POS"));
-                Instruction::Nothing
-            }
-        },
+                return Instruction::Nothing;
+            };
+            motion.target = MotionTarget::Taught(position.clone());
+            Instruction::Move(motion)
+        }
     });
     resolved.collect()
 }

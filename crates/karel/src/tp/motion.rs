@@ -91,10 +91,11 @@ impl Scanner<'_> {
             return Ok(());
         }
         if self.eat("CNT") {
-            return match self.operand()? {
-                Operand::Integer(0..=100) | Operand::Number(_) => Ok(()),
-                _ => Err(self.wrong(0, "CNT is 0 to 100")),
-            };
+            let rounding = self.operand()?;
+            if matches!(rounding, Operand::Integer(0..=100) | Operand::Number(_)) {
+                return Ok(());
+            }
+            return Err(self.wrong(0, "CNT is 0 to 100"));
         }
         Err(self.expected("FINE or CNT"))
     }

@@ -7,6 +7,7 @@
 mod cmos;
 mod golden;
 mod host;
+mod listings;
 mod robustness;
 mod semantics;
 mod sock_server;

@@ -136,3 +136,130 @@ fn one_endless_task_does_not_stop_the_other() {
     assert_eq!(machine.run(other, 100, &mut host).run, Run::Ended);
     assert_eq!(machine.task(main).unwrap().state, TaskState::Ready);
 }
+
+const STATE: &str = "PROGRAM state
+VAR
+  n IN CMOS : INTEGER
+  word : STRING[4]
+  list : ARRAY[3] OF REAL
+ROUTINE raise(by : INTEGER)
+BEGIN
+  n = n + by
+END raise
+BEGIN
+END state
+";
+
+#[test]
+fn variables_of_another_program_are_one_with_those_of_that_program() {
+    let main = "PROGRAM t
+VAR
+  n FROM state : INTEGER
+  word FROM state : STRING[4]
+  list FROM state : ARRAY[3] OF REAL
+  i : INTEGER
+ROUTINE raise(by : INTEGER) FROM state
+BEGIN
+  WRITE (UNINIT(n))
+  n = 5
+  raise(2)
+  WRITE (n)
+  word = 'longer'
+  WRITE (word)
+  FOR i = 1 TO 3 DO
+    list[i] = i
+  ENDFOR
+  WRITE (list[2]::3::1)
+END t
+";
+    assert_eq!(displayed(main, &[STATE]), "TRUE 7long2.0");
+}
+
+#[test]
+fn a_shared_variable_that_is_not_there_ends_the_task_and_one_of_another_type_is_not_loaded() {
+    let main = "PROGRAM t\nVAR n FROM nowhere : INTEGER\nBEGIN\nn = 1\nEND t\n";
+    let (mut machine, task) = machine_with(main.as_bytes(), "t.kl");
+    let mut host = ScriptedHost::new(Vec::new());
+    let Run::Aborted(error) = machine.run(task, 100, &mut host).run else {
+        panic!("it runs");
+    };
+    assert_eq!(error.message, "There is no variable N of a program NOWHERE");
+    let other = "PROGRAM u\nVAR n FROM state : REAL\nBEGIN\nEND u\n";
+    load(&mut machine, STATE);
+    let program = karel::Program::parse_and_check(other.as_bytes(), "u.kl").unwrap();
+    let refused = machine.load(program).unwrap_err();
+    assert_eq!(
+        refused.to_string(),
+        "U declares the variable N FROM STATE with another type"
+    );
+}
+
+#[test]
+fn a_timer_counts_milliseconds_until_it_is_disconnected() {
+    let main = "PROGRAM t
+VAR ms : INTEGER
+BEGIN
+  ms = 0
+  CONNECT TIMER TO ms
+  DELAY 250
+  WRITE (ms)
+  ms = 1000
+  DELAY 8
+  WRITE (ms)
+  DISCONNECT TIMER ms
+  DELAY 100
+  WRITE (ms)
+END t
+";
+    assert_eq!(displayed(main, &[]), " 250 1008 1008");
+}
+
+#[test]
+fn a_semaphore_lets_one_in_and_a_wait_for_it_ends() {
+    let main = format!(
+        "PROGRAM t\nVAR s: INTEGER\nlate: BOOLEAN\nBEGIN\nCLEAR_SEMA(3)\n{START}\n\
+         PEND_SEMA(3, 10, late)\nWRITE (late)\nPEND_SEMA(3, -1, late)\nWRITE (late)\n\
+         POST_SEMA(3)\nPEND_SEMA(3, 0, late)\nWRITE (late)\nPEND_SEMA(3, 0, late)\n\
+         WRITE (late)\nPEND_SEMA(99, 0, late)\nEND t\n"
+    );
+    let other = "PROGRAM other\nBEGIN\nDELAY 50\nPOST_SEMA(3)\nEND other\n";
+    assert_eq!(displayed(&main, &[other]), "TRUEFALSEFALSETRUE");
+}
+
+#[test]
+fn a_paused_task_executes_nothing_until_it_is_continued() {
+    let main = format!(
+        "PROGRAM t\nVAR s, v: INTEGER\nBEGIN\n{START}\nDELAY 5\n\
+         PAUSE_TASK('other', TRUE, TRUE, s)\nWRITE (s)\n\
+         PAUSE_TASK('other', TRUE, TRUE, s)\nWRITE (s)\n\
+         GET_TSK_INFO('OTHER', 0, TSK_STATUS, v, '', s)\nWRITE (v = PG_PAUSED)\nDELAY 100\n\
+         WRITE ('.')\nCONT_TASK('other', s)\nWRITE (s)\nDELAY 50\n\
+         CONT_TASK('other', s)\nWRITE (s)\nEND t\n"
+    );
+    let other = "PROGRAM other\nBEGIN\nDELAY 20\nWRITE ('o')\nEND other\n";
+    assert_eq!(displayed(&main, &[other]), " 0 3002TRUE. 0o 3002");
+}
+
+#[test]
+fn configurations_are_read_as_the_pendant_and_as_programs_write_them() {
+    let main = "PROGRAM t
+VAR
+  c : CONFIG
+  s : INTEGER
+  text : STRING[20]
+BEGIN
+  CNV_STR_CONF('NUT000', c, s)
+  CNV_CONF_STR(c, text)
+  WRITE (s, '/', text, '/')
+  CNV_STR_CONF('F D B, 0, -1, 2', c, s)
+  CNV_CONF_STR(c, text)
+  WRITE (s, '/', text, '/')
+  CNV_STR_CONF('XUT000', c, s)
+  WRITE (s, UNINIT(c))
+END t
+";
+    assert_eq!(
+        displayed(main, &[]),
+        " 0/N U T, 0, 0, 0/ 0/F D B, 0, -1, 2/ 12322TRUE"
+    );
+}

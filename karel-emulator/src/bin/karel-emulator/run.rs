@@ -20,7 +20,7 @@ use crate::includes::Folder;
 /// It runs until it is interrupted, even when its programs have ended, so that its state can be looked at.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Run {
-    /// KAREL source files to load.
+    /// KAREL sources, or listings (`.ls`) of TP programs, to load.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Program to start as a task; can be given several times. The first that is loaded if none is given.

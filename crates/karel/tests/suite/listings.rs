@@ -1,0 +1,201 @@
+//! TP programs: what their lines do, and what is refused.
+
+use karel::{Limits, Machine, Number, Program, TaskState};
+
+use crate::host::{ScriptedHost, run};
+
+fn listing(lines: &[&str]) -> String {
+    let head = "/PROG  T\n/ATTR\nOWNER = X;\n/MN\n".to_owned();
+    let numbered = lines.iter().enumerate();
+    let lines: Vec<String> = numbered
+        .map(|(n, line)| format!("{:4}:  {line}    ;\n", n + 1))
+        .collect();
+    head + &lines.concat() + "/POS\n/END\n"
+}
+
+/// `R[1]` to `R[4]` after the program has run, or the error that ended it.
+fn registers(lines: &[&str], others: &[&str]) -> Result<[Number; 4], String> {
+    let mut machine = Machine::new(Limits::default());
+    let text = listing(lines);
+    machine
+        .load(Program::parse_listing(text.as_bytes(), "t.ls").unwrap())
+        .unwrap();
+    for other in others {
+        let program = Program::from_file(
+            other.as_bytes(),
+            if other.starts_with("/PROG") {
+                "o.ls"
+            } else {
+                "o.kl"
+            },
+            &karel::IncludeFiles::default(),
+        );
+        machine.load(program.unwrap()).unwrap();
+    }
+    let task = machine.start("t").unwrap();
+    let mut host = ScriptedHost::new(Vec::new());
+    run(&mut machine, task, &mut host);
+    match machine.task(task).unwrap().state {
+        TaskState::Ended => {}
+        TaskState::Aborted(error) => return Err(error.to_string()),
+        other @ (TaskState::Ready | TaskState::Blocked(_)) => panic!("{other:?}"),
+    }
+    Ok([1, 2, 3, 4].map(|n| machine.registers().number(n).unwrap()))
+}
+
+fn integers(lines: &[&str], others: &[&str]) -> [i32; 4] {
+    registers(lines, others)
+        .unwrap()
+        .map(|number| match number {
+            Number::Integer(value) => value,
+            Number::Real(value) => panic!("{value}"),
+        })
+}
+
+#[test]
+fn registers_are_calculated_and_jumped_by() {
+    let lines = [
+        "R[1:counter]=0",
+        "LBL[1:again]",
+        "R[1]=R[1]+1",
+        "R[2]=R[2]+R[1]*1",
+        "IF R[1]<5,JMP LBL[1]",
+    ];
+    // A mixture of operators is refused, so it is written apart.
+    let text = listing(&lines);
+    assert!(Program::parse_listing(text.as_bytes(), "t.ls").is_err());
+    let lines = [
+        "R[1:counter]=0",
+        "LBL[1:again]",
+        "R[1]=R[1]+1",
+        "R[2]=R[2]+R[1]",
+        "R[R[1]]=R[1]",
+        "IF R[1]<5 AND R[1]<>4,JMP LBL[1]",
+        "R[3]=17 DIV 5",
+        "R[4]=(-17)",
+        "JMP LBL[2]",
+        "R[4]=99",
+        "LBL[2]",
+    ];
+    assert_eq!(integers(&lines, &[])[2..], [3, -17]);
+}
+
+#[test]
+fn divisions_are_real_and_a_division_by_zero_ends_the_task() {
+    let found = registers(&["R[1]=7/2", "R[2]=7 MOD 4"], &[]).unwrap();
+    assert_eq!(found[..2], [Number::Real(3.5), Number::Integer(3)]);
+    let error = registers(&["R[1]=7/0"], &[]).unwrap_err();
+    assert!(
+        error.contains("INTP-307") && error.contains("(T, 1)"),
+        "{error}"
+    );
+}
+
+#[test]
+fn calls_come_back_and_end_ends_only_the_program_that_is_called() {
+    let inner = "/PROG INNER\n/ATTR\n/MN\n   1:  R[2]=2 ;\n   2:  END ;\n   3:  R[2]=9 ;\n/END\n";
+    let karel = "PROGRAM kl\nVAR s : INTEGER\nBEGIN\n  SET_INT_REG(3, 3, s)\nEND kl\n";
+    let lines = ["R[1]=1", "CALL INNER", "CALL KL", "R[4]=4"];
+    assert_eq!(integers(&lines, &[inner, karel]), [1, 2, 3, 4]);
+    let error = registers(&["CALL NOWHERE"], &[]).unwrap_err();
+    assert!(error.contains("no program NOWHERE"), "{error}");
+}
+
+#[test]
+fn waits_take_their_time_and_conditions_may_be_in_parentheses() {
+    let lines = [
+        "WAIT   1.50(sec)",
+        "R[1]=1",
+        "WAIT R[1]=1",
+        "WAIT (R[1]=1 OR R[2]=5)",
+        "IF (R[1]=1),JMP LBL[1]",
+        "R[2]=2",
+        "LBL[1]",
+        "!remark",
+        "",
+        "END",
+    ];
+    assert_eq!(integers(&lines, &[]), [1, 0, 0, 0]);
+}
+
+#[test]
+fn what_is_not_run_yet_or_makes_no_sense_is_an_error_with_its_line() {
+    for (line, reason) in [
+        (
+            "MESSAGE[hello]",
+            "the instruction MESSAGE is not supported yet",
+        ),
+        ("CALL X(1)", "CALL with arguments is not supported yet"),
+        ("IF (R[1]=1) THEN", "IF .. THEN is not supported yet"),
+        (
+            "C P[1] 100mm/sec FINE",
+            "a motion on an arc is not supported yet",
+        ),
+        (
+            "J PR[1] 100mm/sec FINE",
+            "a motion J has no speed in mm/sec",
+        ),
+        ("L PR[1] 100% FINE", "a motion L has no speed in %"),
+        ("L PR[1] 100mm/sec", "expected FINE or CNT"),
+        ("L PR[1] 100mm/sec CNT101", "CNT is 0 to 100"),
+        (
+            "L PR[1] 100mm/sec FINE Offset,PR[2]",
+            "this option of a motion is not supported yet",
+        ),
+        ("J P[7] 100% FINE", "there is no P[7] in the section /POS"),
+        (
+            "PR[1,2]=5",
+            "a component of a position register is not supported yet",
+        ),
+        ("JMP LBL[5]", "there is no LBL[5]"),
+        (
+            "R[1]=",
+            "expected a number, a register or an input or output",
+        ),
+        ("R[1]=1 2", "expected the end of the instruction, found `2`"),
+        ("R[99999999999]=1", "`99999999999` is not a number"),
+        ("DI[1]=ON", "an assignment to an input is not supported yet"),
+        ("R[1", "expected `]`"),
+    ] {
+        let text = listing(&["!first", line]);
+        let errors = Program::parse_listing(text.as_bytes(), "t.ls").unwrap_err();
+        let first = errors.first().unwrap();
+        assert!(first.message.contains(reason), "{line}: {}", first.message);
+        assert_eq!(first.line, 6, "{line}");
+    }
+}
+
+#[test]
+fn what_is_no_listing_gets_one_clear_message() {
+    for (text, reason) in [
+        ("", "empty"),
+        ("hello", "expected /PROG"),
+        ("/PROG\n/END\n", "expected the program's name"),
+        ("/PROG T\n/MN\n", "/END is missing"),
+        (
+            "/PROG T\n/MN\nR[1]=1 ;\n/END\n",
+            "expected a line number and `:`",
+        ),
+        ("/PROG T\n/WHAT\n/END\n", "the section /WHAT is not known"),
+        ("\u{7f}ELF", "0x7F"),
+    ] {
+        let errors = Program::parse_listing(text.as_bytes(), "t.ls").unwrap_err();
+        let all = karel::render(&errors);
+        assert!(all.contains(reason), "{text:?}: {all}");
+    }
+}
+
+#[test]
+fn no_beginning_and_no_damage_of_a_listing_makes_the_parser_panic() {
+    let text = include_str!("../../../../programs/cell_line.ls");
+    for end in 0..text.len() {
+        if let Some(part) = text.get(..end) {
+            let _parsed = Program::parse_listing(part.as_bytes(), "t.ls");
+        }
+        for byte in [0, b'[', b';', 0xff] {
+            let mut damaged = text.as_bytes().to_vec();
+            damaged[end] = byte;
+            let _parsed = Program::parse_listing(&damaged, "t.ls");
+        }
+    }
+}
