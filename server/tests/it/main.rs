@@ -11,6 +11,8 @@ mod config;
 mod deltas;
 mod document;
 mod health;
+mod kept_motions;
+mod keys;
 mod kinematics;
 mod legacy_moves;
 mod link_failures;

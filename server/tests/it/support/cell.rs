@@ -35,10 +35,33 @@ impl TestServer {
         Self::with(ServerSection::default(), robot, TcpConnector::default()).await
     }
 
+    /// With a journal that a later server may open again.
+    pub(crate) async fn with_journal(robot: RobotSection, journal: SharedJournal) -> Self {
+        let seams = Seams {
+            connector: TcpConnector::default(),
+            clock: Arc::new(SystemClock),
+            journal,
+        };
+        Self::with_seams(ServerSection::default(), robot, seams).await
+    }
+
     pub(crate) async fn with<C: Connector>(
         section: ServerSection,
         robot: RobotSection,
         connector: C,
+    ) -> Self {
+        let seams = Seams {
+            connector,
+            clock: Arc::new(SystemClock),
+            journal: SharedJournal::volatile(),
+        };
+        Self::with_seams(section, robot, seams).await
+    }
+
+    pub(crate) async fn with_seams<C: Connector>(
+        section: ServerSection,
+        robot: RobotSection,
+        seams: Seams<C>,
     ) -> Self {
         let cell = CellSection {
             id: "c1".to_owned(),
@@ -49,11 +72,6 @@ impl TestServer {
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = listener.local_addr().unwrap();
         let stop = CancellationToken::new();
-        let seams = Seams {
-            connector,
-            clock: Arc::new(SystemClock),
-            journal: SharedJournal::volatile(),
-        };
         let task = tokio::spawn(server::run(listener, plan, seams, stop.clone()));
         Self {
             address,

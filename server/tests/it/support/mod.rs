@@ -5,7 +5,7 @@ mod client;
 mod connector;
 mod robot;
 
-pub(crate) use cell::{MODEL, MOTION, MOTIONS, TestServer, robot_section};
+pub(crate) use cell::{MODEL, MOTION, MOTIONS, TestServer, fresh_key, robot_section};
 pub(crate) use client::HttpReply;
 pub(crate) use connector::{Attempt, ScriptedNetwork};
 pub(crate) use robot::{ACCEPTED, Act, FakeRobot};
