@@ -2,9 +2,11 @@
 
 use std::collections::BTreeMap;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::sync::Arc;
 
 use kinematics::{ArmModel, PendantJoints};
 
+use crate::gripper::{GripperConfig, SharedWorkpieces, Workpieces};
 use crate::ports::PortCounts;
 
 /// A KAREL program's source text.
@@ -108,6 +110,13 @@ pub struct ControllerConfig {
     pub panel: Option<SocketAddr>,
     /// I/O ports.
     pub ports: PortCounts,
+    /// Numbers of the registers in which TP programs find epoch and number of the command they carry out, for the
+    /// ledger.
+    pub command_registers: Option<(u16, u16)>,
+    /// The gripper, if there is one.
+    pub gripper: Option<GripperConfig>,
+    /// What the gripper finds.
+    pub workpieces: Option<SharedWorkpieces>,
     /// Bounds.
     pub limits: Limits,
 }
@@ -129,6 +138,9 @@ impl ControllerConfig {
             exposure: Exposure::default(),
             panel: None,
             ports: PortCounts::default(),
+            command_registers: None,
+            gripper: None,
+            workpieces: None,
             limits: Limits::default(),
         }
     }
@@ -144,6 +156,20 @@ impl ControllerConfig {
     #[must_use]
     pub fn with_include(mut self, file: ProgramSource) -> Self {
         self.includes.push(file);
+        self
+    }
+
+    /// Fits a gripper. It is open and empty at first.
+    #[must_use]
+    pub fn with_gripper(mut self, gripper: GripperConfig) -> Self {
+        self.gripper = Some(gripper);
+        self
+    }
+
+    /// Gives the gripper something to grip.
+    #[must_use]
+    pub fn with_workpieces(mut self, workpieces: Arc<dyn Workpieces>) -> Self {
+        self.workpieces = Some(SharedWorkpieces(workpieces));
         self
     }
 

@@ -11,6 +11,12 @@ pub enum StartError {
     /// Nothing to run.
     #[error("no KAREL program was given")]
     NoProgram,
+    /// The gripper is wired to ports that do not exist, or to one input twice.
+    #[error("the gripper uses {what}")]
+    Gripper {
+        /// The output or input.
+        what: String,
+    },
     /// Too many programs.
     #[error("{count} programs were given, the limit is {limit}")]
     TooManyPrograms {

@@ -92,6 +92,27 @@ pub enum LedgerEvent {
     Refused,
     /// The motion was stopped on its way, or dropped before it began.
     Cancelled,
+    /// The arm stands still on its way and the motion waits.
+    Held,
+    /// The motion that was held goes on.
+    Resumed,
+    /// The gripper closed on a part.
+    Gripped,
+    /// The gripper let a part go.
+    Released,
+    /// The part fell out of the gripper.
+    Lost,
+    /// A person moved the arm with the pendant.
+    Jogged,
+}
+
+/// The command that a program carries out, as the program noted it in registers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct CommandId {
+    /// The epoch of whoever commands.
+    pub epoch: u32,
+    /// The number of the command within its epoch.
+    pub seq: u32,
 }
 
 /// The geometry of a motion.
@@ -127,6 +148,16 @@ pub struct LedgerEntry {
     pub target_pose: PoseMmDeg,
     /// `$SPEED` of the motion.
     pub speed_mm_s: f64,
+    /// The speed as a percentage, for a joint motion of a TP program; `speed_mm_s` is that part of `$SPEEDLIM` then.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub speed_percent: Option<f64>,
+    /// The command that the program carries out, if it notes that.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub command: Option<CommandId>,
+    /// The part, for `gripped`, `released` and `lost`; `target_pose` is that of the tool in the world then, and `motion`
+    /// is 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub part: Option<String>,
     /// The general override at this moment.
     pub override_percent: i32,
     /// The program that commanded the motion.
@@ -220,6 +251,9 @@ mod tests {
             to_deg: None,
             target_pose: PoseMmDeg::default(),
             speed_mm_s: 300.0,
+            speed_percent: None,
+            command: None,
+            part: None,
             override_percent: 25,
             program: "SOCKSERVER".to_owned(),
             line: 1,

@@ -51,12 +51,14 @@
 //! It does not know loads, collisions, servo lag or brakes, and it is no safety function.
 
 pub mod alarms;
+pub mod cell_server;
 pub mod clock;
 pub mod config;
 pub mod controller;
 mod driver;
 pub mod effects;
 pub mod error;
+pub mod gripper;
 mod hardware;
 pub mod labels;
 pub mod ledger;
@@ -70,10 +72,12 @@ mod virtual_controller;
 
 pub use clock::{Clock, Stepper};
 pub use config::{ControllerConfig, Exposure, ProgramSource, SecondClient};
-pub use controller::{CmosMemory, Controller};
+pub use controller::{CmosMemory, Controller, OperateError, Operation};
 pub use error::{ControllerStopped, StartError};
+pub use gripper::{GripperConfig, Workpieces};
+pub use hardware::operator::OperatingMode;
 pub use labels::PeerLabels;
-pub use ledger::{LedgerEntry, LedgerEvent};
+pub use ledger::{CommandId, LedgerEntry, LedgerEvent};
 pub use ports::SetInputError;
 pub use state::State;
 pub use virtual_controller::VirtualController;

@@ -161,6 +161,8 @@ impl Ports {
             Port::Flag => self.counts.flags,
             Port::GroupIn | Port::GroupOut => self.counts.groups,
             Port::AnalogIn | Port::AnalogOut => self.counts.analog,
+            // The operator panel is not stored here.
+            Port::PanelIn | Port::PanelOut => 0,
         }
     }
 
@@ -193,7 +195,9 @@ fn range(port: Port) -> RangeInclusive<i32> {
         | Port::RobotOut
         | Port::Flag
         | Port::AnalogIn
-        | Port::AnalogOut => -32_768..=32_767,
+        | Port::AnalogOut
+        | Port::PanelIn
+        | Port::PanelOut => -32_768..=32_767,
     }
 }
 

@@ -4,6 +4,8 @@ use std::net::SocketAddr;
 
 use serde::{Deserialize, Serialize};
 
+use crate::gripper::GripperView;
+use crate::hardware::operator::OperatingMode;
 use crate::ledger::{JointsDeg, PoseMmDeg};
 use crate::ports::PortView;
 
@@ -28,6 +30,24 @@ pub struct State {
     pub configuration: String,
     /// Whether the arm moves.
     pub moving: bool,
+    /// Whether a motion is held on its way.
+    #[serde(default)]
+    pub held: bool,
+    /// The mode switch.
+    #[serde(default)]
+    pub mode: OperatingMode,
+    /// Whether the teach pendant is enabled.
+    #[serde(default)]
+    pub pendant_enabled: bool,
+    /// Whether the emergency stop is pressed.
+    #[serde(default)]
+    pub emergency_stop: bool,
+    /// Whether the operator holds everything.
+    #[serde(default)]
+    pub hold: bool,
+    /// The gripper, if there is one.
+    #[serde(default)]
+    pub gripper: Option<GripperView>,
     /// The general override.
     pub override_percent: i32,
     /// Motions running and waiting: 0 to 2.

@@ -7,12 +7,13 @@ use tokio::sync::{mpsc, oneshot, watch};
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
-use crate::alarms::Alarm;
+use crate::alarms::{Alarm, Severity};
 use crate::clock::Clock;
 use crate::config::{ControllerConfig, Exposure};
-use crate::controller::CmosMemory;
+use crate::controller::{CmosMemory, OperateError, Operation};
 use crate::driver::{Command, Driver, Lines};
 use crate::error::{ControllerStopped, StartError};
+use crate::hardware::operator::OperatingMode;
 use crate::labels::PeerLabels;
 use crate::ledger::LedgerEntry;
 use crate::panel;
@@ -200,7 +201,89 @@ impl VirtualController {
     /// # Errors
     /// The controller stopped.
     pub async fn reset(&self) -> Result<(), ControllerStopped> {
-        self.ask(Command::Reset).await
+        let operation = Operation::Reset;
+        // Nothing can be wrong with a RESET.
+        let _done = self
+            .ask(|answer| Command::Operate { operation, answer })
+            .await?;
+        Ok(())
+    }
+
+    /// Does what an operator does, or breaks something.
+    ///
+    /// # Errors
+    /// What is asked for is not possible now, nothing has changed; or the controller stopped.
+    pub async fn operate(&self, operation: Operation) -> Result<(), OperateError> {
+        self.ask(|answer| Command::Operate { operation, answer })
+            .await?
+    }
+
+    /// Turns the mode switch; leaving AUTO pauses what moves.
+    ///
+    /// # Errors
+    /// The controller stopped; so with the others that cannot be refused.
+    pub async fn set_mode(&self, mode: OperatingMode) -> Result<(), OperateError> {
+        self.operate(Operation::SetMode(mode)).await
+    }
+
+    /// Enables or disables the teach pendant; enabling it pauses what moves.
+    ///
+    /// # Errors
+    /// The controller stopped.
+    pub async fn set_pendant(&self, enabled: bool) -> Result<(), OperateError> {
+        self.operate(Operation::SetPendant(enabled)).await
+    }
+
+    /// Presses or releases the emergency stop; after the release, a [`Self::reset`] is due.
+    ///
+    /// # Errors
+    /// The controller stopped.
+    pub async fn emergency_stop(&self, pressed: bool) -> Result<(), OperateError> {
+        self.operate(Operation::EmergencyStop(pressed)).await
+    }
+
+    /// HOLD: the arm brakes on its path and waits.
+    ///
+    /// # Errors
+    /// The controller stopped.
+    pub async fn hold(&self) -> Result<(), OperateError> {
+        self.operate(Operation::Hold).await
+    }
+
+    /// CYCLE START: what is paused goes on.
+    ///
+    /// # Errors
+    /// An alarm, the mode or the pendant forbids it; or the controller stopped.
+    pub async fn cycle_start(&self) -> Result<(), OperateError> {
+        self.operate(Operation::CycleStart).await
+    }
+
+    /// Raises an alarm such as `SRVO`, 50.
+    ///
+    /// # Errors
+    /// No such facility, a number above 999, or the controller stopped.
+    pub async fn raise_alarm(
+        &self,
+        facility: &str,
+        number: u16,
+        severity: Severity,
+    ) -> Result<(), OperateError> {
+        let (facility, text) = (facility.to_owned(), "Raised from outside".to_owned());
+        self.operate(Operation::RaiseAlarm {
+            facility,
+            number,
+            text,
+            severity,
+        })
+        .await
+    }
+
+    /// Sets the general override, 0 to 100 percent.
+    ///
+    /// # Errors
+    /// No percentage, or the controller stopped.
+    pub async fn set_override(&self, percent: i32) -> Result<(), OperateError> {
+        self.operate(Operation::SetOverride(percent)).await
     }
 
     /// Snapshots as they come: at each event of the controller, not at each moment of a motion.

@@ -138,8 +138,8 @@ impl App {
                 )),
             };
             Arc::new(Robot {
-                link,
                 plan,
+                link,
                 motions,
                 metrics,
             })

@@ -41,6 +41,8 @@ pub(crate) enum Decl {
     Var {
         names: Vec<Name>,
         storage: Option<Storage>,
+        /// `FROM program`: the variables are that program's.
+        home: Option<Name>,
         ty: TypeExpr,
     },
     Routine(Routine),
@@ -308,6 +310,10 @@ pub(crate) enum StmtKind {
         body: Vec<Stmt>,
     },
     Delay(Expr),
+    /// `CONNECT TIMER TO variable`.
+    ConnectTimer(Path),
+    /// `DISCONNECT TIMER variable`.
+    DisconnectTimer(Path),
     /// All of them must hold.
     WaitFor(Vec<Expr>),
     MoveTo {

@@ -11,6 +11,7 @@ use crate::{
     error::RuntimeError,
     port::{Port, PortValue},
     position::{JointPosition, Position, XyzwprExt},
+    registers::Registers,
     status::Status,
     syspath::SysPath,
     value::{SysValue, Value},
@@ -54,6 +55,8 @@ pub enum Wait {
     Motion(MotionId),
     /// A moment of the controller's clock, time since power-on.
     Until(Duration),
+    /// That somebody continues the task, which is paused; see [`crate::Machine::resume`].
+    Continue,
 }
 
 /// Bytes that arrived and were not consumed yet.
@@ -110,6 +113,65 @@ pub struct MotionRequest {
     pub program: Arc<str>,
     /// Physical source line of the statement, from 1.
     pub line: u32,
+}
+
+/// How a motion of a TP program gets to its target.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Interpolation {
+    /// `J`: all axes start and stop together.
+    Joint,
+    /// `L`: the tool center point on a straight line.
+    Linear,
+}
+
+/// Where a motion of a TP program goes to.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TpTarget {
+    /// A pose of the active tool in the active user frame of the TP environment.
+    Cartesian(XyzwprExt),
+    /// Joints.
+    Joints(JointPosition),
+}
+
+/// How fast a motion of a TP program is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TpSpeed {
+    /// Of the speed of the axis that limits the motion.
+    Percent(f32),
+    /// Of the tool center point.
+    MmPerSec(f32),
+}
+
+/// A motion instruction of a TP program.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TpMotion {
+    /// `J` or `L`.
+    pub interpolation: Interpolation,
+    /// Where to.
+    pub target: TpTarget,
+    /// How fast.
+    pub speed: TpSpeed,
+    /// Of the usual acceleration; above 0.
+    pub acceleration_percent: f32,
+    /// Program of the instruction, upper case.
+    pub program: Arc<str>,
+    /// The instruction's line as the pendant numbers it, from 1.
+    pub line: u32,
+}
+
+/// An alarm as `ERR_DATA` reports it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AlarmView {
+    /// Its number in the history.
+    pub seq: i32,
+    /// Facility times 1000 plus number.
+    pub code: i32,
+    /// Its text.
+    pub message: String,
+    /// 0 for a warning, higher for what stops more.
+    pub severity: i32,
+    /// The program that caused it, or nothing.
+    pub program: String,
 }
 
 /// The controller around the machine.
@@ -273,6 +335,38 @@ pub trait Host {
 
     /// Cancels what a task moves; another task aborted it and wants that.
     fn cancel_motions(&mut self, _task: TaskId) {}
+
+    /// Queues a motion of a TP program. `Err` means that an alarm was raised; the task ends with
+    /// it. `registers` are those of the controller at this moment.
+    fn start_tp_motion(
+        &mut self,
+        _task: TaskId,
+        _motion: TpMotion,
+        _registers: &Registers,
+    ) -> Progress<Result<MotionId, Status>> {
+        Progress::Ready(Err(Status::INTP_UNDEFINED_BUILTIN))
+    }
+
+    /// Another task paused this one and wants what it moves to be held.
+    fn hold_motions(&mut self, _task: TaskId) {}
+
+    /// Another task continued this one: what was held of its motions goes on.
+    fn continue_motions(&mut self, _task: TaskId) {}
+
+    /// Whether the mode switch says AUTO.
+    fn in_auto_mode(&self) -> bool {
+        true
+    }
+
+    /// Whether the teach pendant is enabled.
+    fn pendant_enabled(&self) -> bool {
+        false
+    }
+
+    /// The alarm with this number of the history, or the newest one before it.
+    fn alarm(&self, _newest: i32) -> Option<AlarmView> {
+        None
+    }
 
     /// The machine reports the error that ends a task. Called once for each such end.
     fn post_alarm(&mut self, task: TaskId, alarm: &RuntimeError);

@@ -87,6 +87,8 @@ pub(crate) enum Op {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Rare {
+    /// Push the address of a variable of another program, from the cell that holds it.
+    AddressShared(u32),
     NegateInteger,
     NegateReal,
     NotBoolean,
@@ -118,8 +120,10 @@ pub(crate) enum Outward {
     MissingReturn,
     /// No CASE matched.
     NoCase,
-    /// The END of the main body, or ABORT.
+    /// ABORT.
     EndTask,
+    /// The END of the main body: back to whoever called the program, or the end of the task.
+    EndProgram,
     /// By a row of the table of built-in calls.
     Builtin(u32),
     /// By a row of the table of system variables; subscripts on the stack. A value of several
@@ -144,7 +148,13 @@ pub(crate) enum Outward {
     Read(u32),
     Write(u32),
     Delay,
+    /// The address of the variable.
+    ConnectTimer,
+    /// The address of the variable.
+    DisconnectTimer,
     Move(Waits),
+    /// An instruction of a TP program, by a row of its table.
+    Tp(u32),
 }
 
 /// A lowered program.
@@ -159,10 +169,52 @@ pub(crate) struct Code {
     pub(crate) builtins: Vec<BuiltinSite>,
     pub(crate) reads: Vec<ReadShape>,
     pub(crate) writes: Vec<WriteShape>,
+    /// Instructions of a TP program.
+    pub(crate) tp: Vec<crate::tp::Instruction>,
     /// Routines of other programs that are called.
     pub(crate) externals: Vec<External>,
     /// The main body first.
     pub(crate) routines: Vec<RoutineCode>,
+}
+
+/// A variable that is another program's.
+#[derive(Clone, Debug)]
+pub(crate) struct SharedVariable {
+    pub(crate) name: String,
+    pub(crate) program: String,
+    /// The cell among the own variables that holds its address.
+    pub(crate) cell: u32,
+    pub(crate) ty: Type,
+}
+
+/// What `%NOPAUSE` and `%NOABORT` say.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Attributes {
+    pub(crate) no_pause: Sources,
+    pub(crate) no_abort: Sources,
+}
+
+/// Where an interruption comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Sources {
+    pub(crate) error: bool,
+    pub(crate) command: bool,
+    pub(crate) pendant: bool,
+}
+
+impl Sources {
+    /// `ERROR + COMMAND + TPENABLE`.
+    pub(crate) fn parse(list: &str) -> Sources {
+        let names = |wanted: &str| {
+            list.split('+')
+                .any(|name| name.trim().eq_ignore_ascii_case(wanted))
+        };
+        Sources {
+            error: names("ERROR"),
+            command: names("COMMAND"),
+            pendant: names("TPENABLE"),
+        }
+    }
 }
 
 /// A routine of another program as its caller declares it.

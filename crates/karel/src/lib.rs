@@ -98,6 +98,7 @@ mod sysvars;
 mod text_reader;
 mod text_writer;
 mod token;
+mod tp;
 mod typed;
 mod types;
 mod value;
@@ -106,14 +107,14 @@ pub use cmos::{Cmos, Scalar};
 pub use diagnostic::{Diagnostic, Severity, render};
 pub use error::{CallSite, RuntimeError};
 pub use host::{
-    FileId, Host, Input, InputEnd, MotionId, MotionRequest, MoveEnd, OpenMode, Progress, TaskId,
-    Wait,
+    AlarmView, FileId, Host, Input, InputEnd, Interpolation, MotionId, MotionRequest, MoveEnd,
+    OpenMode, Progress, TaskId, TpMotion, TpSpeed, TpTarget, Wait,
 };
 pub use include::{IncludeFile, IncludeFiles, Includes};
 pub use machine::{LoadError, Machine, StartError};
 pub use port::{Port, PortValue};
 pub use position::{Config, Elbow, Front, JointPosition, Position, Wrist, Xyzwpr, XyzwprExt};
-pub use program::{Program, syntax_tree};
+pub use program::{Interruption, Program, syntax_tree};
 pub use registers::{Number, PositionRegister, RegisterCounts, Registers};
 pub use run::{Limits, Run, Slice, TaskState, TaskView};
 pub use status::Status;

@@ -23,6 +23,10 @@ pub enum Port {
     AnalogIn,
     /// `AOUT`, analog outputs.
     AnalogOut,
+    /// `OPIN`, keys and switches of the operator panel.
+    PanelIn,
+    /// `OPOUT`, lamps of the operator panel, which the controller sets.
+    PanelOut,
 }
 
 /// The value of a port.
@@ -36,7 +40,7 @@ pub enum PortValue {
 
 impl Port {
     /// All of them.
-    pub const ALL: [Port; 9] = [
+    pub const ALL: [Port; 11] = [
         Port::DigitalIn,
         Port::DigitalOut,
         Port::RobotIn,
@@ -46,6 +50,8 @@ impl Port {
         Port::GroupOut,
         Port::AnalogIn,
         Port::AnalogOut,
+        Port::PanelIn,
+        Port::PanelOut,
     ];
 
     /// The name of the array, `DOUT`.
@@ -61,14 +67,21 @@ impl Port {
             Port::GroupOut => "GOUT",
             Port::AnalogIn => "AIN",
             Port::AnalogOut => "AOUT",
+            Port::PanelIn => "OPIN",
+            Port::PanelOut => "OPOUT",
         }
     }
 
-    /// Whether only the world outside sets it.
+    /// Whether programs only read it.
     #[must_use]
     pub fn is_input(self) -> bool {
         match self {
-            Port::DigitalIn | Port::RobotIn | Port::GroupIn | Port::AnalogIn => true,
+            Port::DigitalIn
+            | Port::RobotIn
+            | Port::GroupIn
+            | Port::AnalogIn
+            | Port::PanelIn
+            | Port::PanelOut => true,
             Port::DigitalOut | Port::RobotOut | Port::Flag | Port::GroupOut | Port::AnalogOut => {
                 false
             }
@@ -79,9 +92,13 @@ impl Port {
     #[must_use]
     pub fn is_switch(self) -> bool {
         match self {
-            Port::DigitalIn | Port::DigitalOut | Port::RobotIn | Port::RobotOut | Port::Flag => {
-                true
-            }
+            Port::DigitalIn
+            | Port::DigitalOut
+            | Port::RobotIn
+            | Port::RobotOut
+            | Port::Flag
+            | Port::PanelIn
+            | Port::PanelOut => true,
             Port::GroupIn | Port::GroupOut | Port::AnalogIn | Port::AnalogOut => false,
         }
     }

@@ -52,6 +52,74 @@ pub struct Config {
     pub turns: [i8; 3],
 }
 
+impl Config {
+    /// Reads `N U T, 0, 0, -1`, and the short form `NUT000` that programs use. The letters may
+    /// have blanks between them, and an `L` or `R` for arms that have a shoulder to the side.
+    ///
+    /// ASSUMPTION: in the short form each turn is one digit with an optional sign.
+    #[must_use]
+    pub fn parse(text: &str) -> Option<Config> {
+        let text = text.trim().to_ascii_uppercase();
+        let end = text.find(|c: char| c == ',' || c == '-' || c.is_ascii_digit());
+        let (letters, numbers) = text.split_at_checked(end.unwrap_or(text.len()))?;
+        let mut config = Config::default();
+        let mut seen = 0_u8;
+        for letter in letters.chars().filter(|c| !c.is_whitespace()) {
+            let place = match letter {
+                'F' | 'N' => 1,
+                'L' | 'R' => 2,
+                'U' | 'D' => 4,
+                'T' | 'B' => 8,
+                _ => return None,
+            };
+            // In the pendant's order, each at most once.
+            if seen >= place {
+                return None;
+            }
+            seen |= place;
+            match letter {
+                'F' => config.wrist = Wrist::Flip,
+                'D' => config.elbow = Elbow::Down,
+                'B' => config.front = Front::Back,
+                _ => {}
+            }
+        }
+        if (seen & !2) != (1 | 4 | 8) {
+            return None;
+        }
+        config.turns = turns(numbers)?;
+        Some(config)
+    }
+}
+
+/// `, 0, 0, -1` or `00-1`; nothing for no turns.
+fn turns(text: &str) -> Option<[i8; 3]> {
+    if text.is_empty() {
+        return Some([0; 3]);
+    }
+    let mut numbers = Vec::new();
+    if let Some(list) = text.strip_prefix(',') {
+        for number in list.split(',') {
+            numbers.push(number.trim().parse().ok()?);
+        }
+    } else {
+        let mut sign = 1;
+        for c in text.chars().filter(|c| !c.is_whitespace()) {
+            if c == '-' && sign == 1 {
+                sign = -1;
+            } else {
+                let digit = i8::try_from(c.to_digit(10)?).ok()?;
+                numbers.push(sign * digit);
+                sign = 1;
+            }
+        }
+        if sign != 1 {
+            return None;
+        }
+    }
+    <[i8; 3]>::try_from(numbers).ok()
+}
+
 impl fmt::Display for Config {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let wrist = match self.wrist {

@@ -6,9 +6,10 @@ use crate::{
     check,
     diagnostic::{Diagnostic, Reports},
     include::{IncludeFiles, Includes},
-    ir::Code,
+    ir::{Attributes, Code, SharedVariable},
     lower, parser, sexpr,
     span::Source,
+    tp,
     types::Type,
 };
 
@@ -23,6 +24,9 @@ pub struct Program {
     pub(crate) global_files: Vec<u32>,
     /// Names of the variables that keep their values without power.
     pub(crate) persistent: Vec<String>,
+    /// Variables of other programs.
+    pub(crate) shared: Vec<SharedVariable>,
+    pub(crate) attributes: Attributes,
 }
 
 impl Program {
@@ -65,7 +69,54 @@ impl Program {
             global_cells: checked.global_cells,
             global_files: checked.global_files,
             persistent: checked.persistent,
+            shared: checked.shared,
+            attributes: checked.attributes,
         })
+    }
+
+    /// Translates the listing (`.ls`) of a TP program. `source` is Latin-1; the lines of its
+    /// instructions count from 1, as the pendant numbers them.
+    ///
+    /// # Errors
+    /// Everything that was found, in the order of the source. Instructions that are legal and not
+    /// run yet are among it.
+    pub fn parse_listing(source: &[u8], file_name: &str) -> Result<Program, Vec<Diagnostic>> {
+        let source = Source::new(source, file_name);
+        let mut reports = Reports::default();
+        let listing = tp::parse(&source, &mut reports);
+        let Some(listing) = listing.filter(|_| !reports.has_errors()) else {
+            return Err(reports.into_diagnostics(&source));
+        };
+        let name: Arc<str> = listing.name.as_str().into();
+        let code = lower::listing(&name, listing.instructions);
+        Ok(Program {
+            name,
+            warnings: Vec::new(),
+            code,
+            globals: HashMap::new(),
+            global_cells: 0,
+            global_files: Vec::new(),
+            persistent: Vec::new(),
+            shared: Vec::new(),
+            attributes: Attributes::default(),
+        })
+    }
+
+    /// Translates a program by the kind that its file name says: `.ls` is a listing of a TP program,
+    /// anything else is KAREL.
+    ///
+    /// # Errors
+    /// As [`Program::with_includes`] and [`Program::parse_listing`].
+    pub fn from_file(
+        source: &[u8],
+        file_name: &str,
+        includes: &dyn Includes,
+    ) -> Result<Program, Vec<Diagnostic>> {
+        let extension = file_name.rsplit_once('.').map(|(_, extension)| extension);
+        if extension.is_some_and(|extension| extension.eq_ignore_ascii_case("ls")) {
+            return Program::parse_listing(source, file_name);
+        }
+        Program::with_includes(source, file_name, includes)
     }
 
     /// The name after PROGRAM, upper case.
@@ -80,9 +131,37 @@ impl Program {
         &self.warnings
     }
 
+    /// Whether a task of this program goes on when what pauses others comes from there.
+    #[must_use]
+    pub fn is_pausable(&self, by: Interruption) -> bool {
+        let Attributes { no_pause, .. } = self.attributes;
+        match by {
+            Interruption::Error => !no_pause.error,
+            Interruption::Command => !no_pause.command,
+            Interruption::PendantEnabled => !no_pause.pendant,
+        }
+    }
+
+    /// Whether an alarm of the severity "abort" ends a task of this program.
+    #[must_use]
+    pub fn is_abortable_by_error(&self) -> bool {
+        !self.attributes.no_abort.error
+    }
+
     pub(crate) fn name_arc(&self) -> Arc<str> {
         self.name.clone()
     }
+}
+
+/// What pauses tasks that are not protected against it by `%NOPAUSE`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interruption {
+    /// An alarm.
+    Error,
+    /// The HOLD key, or an input of the same meaning.
+    Command,
+    /// The teach pendant was enabled.
+    PendantEnabled,
 }
 
 /// Parses `source` and writes its tree as S-expressions, one statement a line; what it includes

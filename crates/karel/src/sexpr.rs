@@ -188,6 +188,12 @@ impl Printer {
                 self.line(&format!("(wait-for {})", joined(conditions, expr)));
             }
             StmtKind::Delay(time) => self.line(&format!("(delay {})", expr(time))),
+            StmtKind::ConnectTimer(timer) => {
+                self.line(&format!("(connect-timer {})", path(timer)));
+            }
+            StmtKind::DisconnectTimer(timer) => {
+                self.line(&format!("(disconnect-timer {})", path(timer)));
+            }
             StmtKind::MoveTo { target, waits } => {
                 let word = match waits {
                     Waits::Yes => "",

@@ -26,6 +26,10 @@ impl Status {
     /// MEMO-073: the program does not exist.
     pub const MEMO_NO_PROGRAM: Status = Status(7073);
 
+    /// INTP-252: a taught position is for another frame or tool than the active one.
+    ///
+    /// ASSUMPTION: the number is from memory of error lists.
+    pub const INTP_FRAME: Status = Status(12252);
     /// INTP-302: the call stack is full.
     pub const INTP_STACK_OVERFLOW: Status = Status(12302);
     /// INTP-303: a limit of the interpreter was exceeded.
@@ -122,6 +126,15 @@ impl Status {
     #[must_use]
     pub const fn number(self) -> i32 {
         self.0 % 1000
+    }
+
+    /// The code of a facility by its four letters.
+    #[must_use]
+    pub fn facility_code(name: &str) -> Option<i32> {
+        let mut known = FACILITIES.iter();
+        known
+            .find(|(_, known)| known.eq_ignore_ascii_case(name))
+            .map(|(code, _)| *code)
     }
 
     /// The facility's four-letter name, if this crate knows it.

@@ -90,6 +90,8 @@ pub(crate) enum StmtKind {
         body: Vec<Stmt>,
     },
     Delay(Expr),
+    ConnectTimer(Place),
+    DisconnectTimer(Place),
     /// A condition that is looked at again and again until it holds.
     WaitFor(Expr),
     MoveTo {
@@ -210,6 +212,8 @@ pub(crate) enum Root {
     Local(u32),
     /// A cell of the frame that holds a reference.
     Param(u32),
+    /// A cell of the program's variables that holds the address of another program's.
+    Shared(u32),
 }
 
 #[derive(Debug)]

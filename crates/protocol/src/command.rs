@@ -120,6 +120,20 @@ impl WireMove {
     }
 }
 
+/// A message that asks the seed program for a motion at speed 0, which it refuses as `ERROR: POINT UNREACHABLE`.
+///
+/// The program serves one connection after the other, so its answer proves that every message before this one has
+/// been read and answered, or was lost. It proves nothing about a motion that was accepted: that runs on. No
+/// [`MoveCommand`] has this form.
+#[must_use]
+pub fn seed_fence() -> CommandBytes {
+    let mut bytes = CommandBytes::new();
+    for byte in b"0 0 0 0 0 0 0 1" {
+        bytes.push(*byte);
+    }
+    bytes
+}
+
 fn thousandths(item: Item, value: f64) -> Result<i32, CommandError> {
     if !value.is_finite() {
         return Err(CommandError::NotFinite { item, value });

@@ -36,6 +36,6 @@ mod reply;
 pub mod v2;
 
 pub use bytes::{CommandBytes, MAX_COMMAND_BYTES};
-pub use command::{CommandError, Item, MAX_SPEED, MIN_SPEED, MoveCommand, WireMove};
+pub use command::{CommandError, Item, MAX_SPEED, MIN_SPEED, MoveCommand, WireMove, seed_fence};
 pub use decode::{DecodeError, decode_command};
 pub use reply::{Reply, ReplyDecode, Stream, decode_reply};

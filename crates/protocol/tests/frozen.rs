@@ -56,6 +56,16 @@ fn the_commands_bytes_are_as_frozen() {
 }
 
 #[test]
+fn the_fences_bytes_are_as_frozen_and_are_no_command() {
+    let bytes = frozen(include_str!("../testdata/v1/fence.hex"));
+    assert_eq!(&*protocol::seed_fence(), bytes);
+    assert_eq!(
+        decode_command(&bytes),
+        Err(protocol::DecodeError::Speed { value: 0 })
+    );
+}
+
+#[test]
 fn the_replies_bytes_are_as_frozen() {
     let files = [
         (

@@ -34,7 +34,7 @@ pub(super) fn load(
                 limit: limits.program_bytes,
             });
         }
-        let program = Program::with_includes(text, file, &files).map_err(|diagnostics| {
+        let program = Program::from_file(text, file, &files).map_err(|diagnostics| {
             let rendered: Vec<String> = diagnostics.iter().map(ToString::to_string).collect();
             StartError::Program {
                 file: file.clone(),

@@ -8,9 +8,11 @@
 //! spends its share and rests.
 
 mod load;
+mod operate;
 mod power;
 mod snapshot;
 
+pub use operate::{OperateError, Operation};
 pub use power::CmosMemory;
 
 use std::time::Duration;
@@ -87,6 +89,7 @@ impl Controller {
                 model: config.model.name().to_owned(),
                 violations,
             })?;
+        check_gripper(config)?;
         let limits = config.limits;
         let mut machine = Machine::new(karel::Limits::default());
         let names = load::load(&mut machine, &config.programs, &config.includes, limits)?;
@@ -137,6 +140,7 @@ impl Controller {
             Some(wake) if wake <= until => {
                 self.hardware.now = self.hardware.now.max(wake);
                 self.hardware.end_motions();
+                self.hardware.end_gripping();
                 self.wake_tasks();
                 Advance::Worked
             }
@@ -162,7 +166,10 @@ impl Controller {
             Phase::Waiting(_) | Phase::Over => None,
             Phase::Resting => Some(task.period.saturating_add(SHARE_PERIOD)),
         });
-        tasks.chain(self.hardware.executor.next_end()).min()
+        tasks
+            .chain(self.hardware.executor.next_end())
+            .chain(self.hardware.gripper_arrives())
+            .min()
     }
 
     /// What is to be done outside, in order.
@@ -209,11 +216,6 @@ impl Controller {
             );
         }
         Ok(())
-    }
-
-    /// RESET: no alarm is active any more.
-    pub fn reset(&mut self) {
-        self.hardware.alarms.reset();
     }
 
     /// The registers of the controller: `R[n]`, `SR[n]`, `PR[n]`.
@@ -339,6 +341,14 @@ impl Controller {
         }
         self.tasks.retain(|task| ids.contains(&task.id));
         self.hardware.forget_tasks(&ids);
+        for task in &mut self.tasks {
+            // Who was continued looks at once at what it waits for.
+            if matches!(task.phase, Phase::Waiting(Wait::Continue))
+                && !self.machine.is_paused(task.id)
+            {
+                task.phase = Phase::Ready;
+            }
+        }
         for id in ids {
             if self.tasks.iter().all(|task| task.id != id) {
                 self.tasks.push(Task {
@@ -364,4 +374,27 @@ impl Controller {
             }
         }
     }
+}
+
+/// The gripper's ports exist and differ.
+fn check_gripper(config: &ControllerConfig) -> Result<(), StartError> {
+    let Some(gripper) = config.gripper else {
+        return Ok(());
+    };
+    let last = config.ports.digital;
+    let outputs = [("DOUT", gripper.close_output)];
+    let inputs = [gripper.closed_input, gripper.open_input, gripper.part_input];
+    let inputs = inputs.map(|number| ("DIN", number));
+    for (name, number) in outputs.into_iter().chain(inputs) {
+        if number == 0 || number > last {
+            let what = format!("{name}[{number}], the last is {name}[{last}]");
+            return Err(StartError::Gripper { what });
+        }
+    }
+    let [(_, a), (_, b), (_, c)] = inputs;
+    if a == b || a == c || b == c {
+        let what = "one input for two things".to_owned();
+        return Err(StartError::Gripper { what });
+    }
+    Ok(())
 }

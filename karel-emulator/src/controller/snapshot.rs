@@ -40,6 +40,12 @@ impl Controller {
             pose,
             configuration: model.configuration(&joints).to_string(),
             moving: hardware.executor.is_moving(),
+            held: hardware.executor.is_held(),
+            mode: hardware.operator.mode,
+            pendant_enabled: hardware.operator.pendant,
+            emergency_stop: hardware.operator.emergency_stop,
+            hold: hardware.operator.hold,
+            gripper: hardware.gripper.as_ref().map(|gripper| gripper.view()),
             override_percent: hardware.override_percent,
             motion_queue: hardware.executor.queued(),
             tasks: self
@@ -90,6 +96,7 @@ fn wait_in_words(wait: &Wait) -> String {
         Wait::Connect(tag) => format!("waits for a client on {tag}:"),
         Wait::MotionQueue => "waits for a place in the motion queue".to_owned(),
         Wait::Motion(motion) => format!("waits for the end of motion {}", motion.0),
+        Wait::Continue => "is paused".to_owned(),
         Wait::Until(time) => format!("waits until {:.3} s", seconds(*time)),
     }
 }

@@ -18,7 +18,7 @@ use tokio_util::task::TaskTracker;
 use crate::alarms::Alarm;
 use crate::clock::{Clock, Timekeeper};
 use crate::config::ControllerConfig;
-use crate::controller::{Advance, CmosMemory, Controller};
+use crate::controller::{Advance, CmosMemory, Controller, OperateError, Operation};
 use crate::effects::Event;
 use crate::error::StartError;
 use crate::labels::PeerLabels;
@@ -55,7 +55,10 @@ pub(crate) enum Command {
         memory: CmosMemory,
         answer: oneshot::Sender<()>,
     },
-    Reset(oneshot::Sender<()>),
+    Operate {
+        operation: Operation,
+        answer: oneshot::Sender<Result<(), OperateError>>,
+    },
 }
 
 /// Entries of a bounded log, and how many were dropped from it.
@@ -248,9 +251,10 @@ impl Driver {
                 self.apply_effects();
                 answer.send(()).map_err(drop)
             }
-            Command::Reset(answer) => {
-                self.core.reset();
-                answer.send(()).map_err(drop)
+            Command::Operate { operation, answer } => {
+                let done = self.core.operate(operation);
+                self.apply_effects();
+                answer.send(done).map_err(drop)
             }
         };
     }

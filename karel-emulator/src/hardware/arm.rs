@@ -6,8 +6,8 @@ use units::MmPerSec;
 
 use super::{Hardware, MotionTag, Wake};
 use crate::ledger::{LedgerEntry, LedgerEvent, MotionKind, seconds};
-use crate::motion::planner::pose_of_target;
-use crate::motion::{Added, JointPath, Motion, MotionEnd, Outcome, Refusal};
+use crate::motion::planner::{pose_mm_deg, pose_of_target};
+use crate::motion::{Added, Motion, MotionEnd, Outcome, Path, Refusal};
 use crate::sysvars::codes::motype;
 
 /// MOTN-999: this controller does not simulate what the program asks for. A number of our own.
@@ -37,6 +37,9 @@ impl Hardware {
         let tag = MotionTag {
             id: MotionId(self.last_motion),
             task,
+            kind: self.kind(),
+            speed_percent: None,
+            command: None,
             target: pose_of_target(&request.target),
             speed_mm_s: *speed.as_ref().unwrap_or(&0.0),
             program: request.program.clone(),
@@ -45,16 +48,32 @@ impl Hardware {
         };
         let planned = self
             .joint_motion()
+            .and_then(|()| self.may_move())
             .and_then(|()| only_group(request.group))
             .and_then(|()| speed.map_err(|status| Refusal::new(status, "$SPEED has no value")))
-            .and_then(|speed| Ok((speed, self.solve(request)?)));
+            .and_then(|speed| {
+                let to = self.solve(request)?;
+                let from = self.executor.tail();
+                let model = self.planner.model();
+                Ok(Path::joint(model, from, to, MmPerSec(speed)))
+            });
+        Progress::Ready(self.take_planned(task, &tag, planned))
+    }
+
+    /// Queues a motion for which there is room, or refuses it.
+    pub(super) fn take_planned(
+        &mut self,
+        task: TaskId,
+        tag: &MotionTag,
+        planned: Result<Path, Refusal>,
+    ) -> Result<MotionId, Status> {
         match planned {
-            Ok((speed, to)) => Progress::Ready(Ok(self.enqueue(&tag, to, MmPerSec(speed)))),
+            Ok(path) => Ok(self.enqueue(tag, path)),
             Err(refusal) => {
                 let status = refusal.status;
-                self.refuse(&tag, &refusal);
+                self.refuse(tag, &refusal);
                 let _replaced = self.refusals.insert(task, refusal);
-                Progress::Ready(Err(status))
+                Err(status)
             }
         }
     }
@@ -100,6 +119,7 @@ impl Hardware {
 
     /// Ends the motions whose time has come.
     pub(crate) fn end_motions(&mut self) {
+        self.note_holds();
         while let Some((end, started)) = self.executor.end_due(self.now) {
             let started = started.cloned();
             self.note_end(&end);
@@ -161,9 +181,8 @@ impl Hardware {
         self.planner.joints(&request.target, &frame, &tool)
     }
 
-    fn enqueue(&mut self, tag: &MotionTag, to: PendantJoints, speed: MmPerSec) -> MotionId {
+    fn enqueue(&mut self, tag: &MotionTag, path: Path) -> MotionId {
         let id = tag.id;
-        let path = JointPath::plan(self.planner.model(), self.executor.tail(), to, speed);
         match self.executor.add(
             self.now,
             Motion {
@@ -238,17 +257,25 @@ impl Hardware {
         self.ledger.push(entry);
     }
 
-    fn entry(&self, event: LedgerEvent, tag: &MotionTag, from: &PendantJoints) -> LedgerEntry {
+    pub(super) fn entry(
+        &self,
+        event: LedgerEvent,
+        tag: &MotionTag,
+        from: &PendantJoints,
+    ) -> LedgerEntry {
         LedgerEntry {
             seq: 0,
             time_s: seconds(self.now),
             event,
             motion: tag.id.0,
-            kind: self.kind(),
+            kind: tag.kind,
             from_deg: from.degrees().into(),
             to_deg: None,
             target_pose: tag.target,
             speed_mm_s: tag.speed_mm_s,
+            speed_percent: tag.speed_percent,
+            command: tag.command,
+            part: None,
             override_percent: self.override_percent,
             program: tag.program.to_string(),
             line: tag.line,
@@ -268,9 +295,36 @@ impl Hardware {
         }
     }
 
+    /// A person moved the arm with the pendant.
+    pub(super) fn note_jog(&mut self, from: &PendantJoints, to: &PendantJoints) {
+        let tag = MotionTag {
+            id: MotionId(0),
+            task: TaskId(0),
+            kind: MotionKind::Joint,
+            target: pose_mm_deg(&self.planner.tcp_in_world(to, &karel::Position::default())),
+            speed_mm_s: 0.0,
+            speed_percent: None,
+            command: None,
+            program: "".into(),
+            line: 0,
+            origin: super::Origin::default(),
+        };
+        let mut entry = self.entry(LedgerEvent::Jogged, &tag, from);
+        entry.to_deg = Some(to.degrees().into());
+        self.ledger.push(entry);
+    }
+
+    /// The operator holds the arm: it brakes on its path, and what is added waits.
+    pub(crate) fn hold_arm(&mut self, frozen: bool) {
+        self.executor.hold(self.now, frozen);
+        self.note_holds();
+    }
+
     pub(super) fn live(&self, live: crate::sysvars::Live) -> Value {
         match live {
             crate::sysvars::Live::RobotMoves => Value::Boolean(self.executor.is_moving()),
+            crate::sysvars::Live::SafetyStatus => Value::Integer(self.safety_status()),
+            crate::sysvars::Live::ServoReady => Value::Boolean(!self.operator.emergency_stop),
             crate::sysvars::Live::FastClock => {
                 let wrapped = self.now.as_millis() % (1 << 31);
                 Value::Integer(i32::try_from(wrapped).unwrap_or(0))

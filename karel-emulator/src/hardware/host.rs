@@ -3,12 +3,14 @@
 use std::time::Duration;
 
 use karel::{
-    FileId, Host, Input, JointPosition, MotionId, MotionRequest, OpenMode, Port, PortValue,
-    Position, Progress, RuntimeError, Status, SysPath, SysValue, TaskId, Value, XyzwprExt,
+    AlarmView, FileId, Host, Input, JointPosition, MotionId, MotionRequest, OpenMode, Port,
+    PortValue, Position, Progress, Registers, RuntimeError, Status, SysPath, SysValue, TaskId,
+    TpMotion, Value, XyzwprExt,
 };
 
 use super::Hardware;
 use super::arm::only_group;
+use super::operator::OperatingMode;
 use crate::motion::planner::{joint_position, pendant_joints};
 use crate::sysvars::Reading;
 
@@ -98,6 +100,9 @@ impl Host for Hardware {
     }
 
     fn port(&self, port: Port, number: i32) -> Result<PortValue, Status> {
+        if matches!(port, Port::PanelIn | Port::PanelOut) {
+            return self.panel_port(port, number);
+        }
         self.ports.get(port, number)
     }
 
@@ -114,6 +119,7 @@ impl Host for Hardware {
                 "A program set {port}[{number}] to {value:?}.",
             );
         }
+        self.gripper_output(port, number, value);
         Ok(())
     }
 
@@ -167,6 +173,35 @@ impl Host for Hardware {
 
     fn motion_ended(&mut self, motion: MotionId) -> Progress<Status> {
         self.outcome(motion)
+    }
+
+    fn start_tp_motion(
+        &mut self,
+        task: TaskId,
+        motion: TpMotion,
+        registers: &Registers,
+    ) -> Progress<Result<MotionId, Status>> {
+        self.queue_tp_motion(task, &motion, registers)
+    }
+
+    fn hold_motions(&mut self, task: TaskId) {
+        self.hold_motions_of(task);
+    }
+
+    fn continue_motions(&mut self, task: TaskId) {
+        self.continue_motions_of(task);
+    }
+
+    fn in_auto_mode(&self) -> bool {
+        self.operator.mode == OperatingMode::Auto
+    }
+
+    fn pendant_enabled(&self) -> bool {
+        self.operator.pendant
+    }
+
+    fn alarm(&self, newest: i32) -> Option<AlarmView> {
+        self.alarm_view(newest)
     }
 
     fn cancel_arm(&mut self, task: TaskId) {

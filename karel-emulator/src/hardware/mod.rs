@@ -4,8 +4,11 @@
 //! can run with a mutable borrow of it.
 
 mod arm;
+mod gripping;
 mod host;
+pub(crate) mod operator;
 mod sockets;
+mod tp;
 
 use std::collections::{BTreeMap, VecDeque};
 use std::net::SocketAddr;
@@ -18,11 +21,13 @@ use crate::alarms::{Alarm, AlarmLog, Severity};
 use crate::config::ControllerConfig;
 use crate::controller::CmosMemory;
 use crate::effects::{ConnectionId, Effect, Tag};
-use crate::ledger::{Ledger, PoseMmDeg, seconds};
+use crate::ledger::{CommandId, Ledger, MotionKind, PoseMmDeg, seconds};
 use crate::motion::{Executor, Planner, Refusal};
 use crate::ports::Ports;
 use crate::sysvars::SystemVariables;
 use crate::tags::ServerTag;
+use gripping::Gripper;
+use operator::Operator;
 
 /// Lines of the USER screen that are kept.
 const SCREEN_LINES: usize = 20;
@@ -43,6 +48,10 @@ pub(crate) struct Hardware {
     pub(crate) alarms: AlarmLog,
     pub(crate) tags: Vec<ServerTag>,
     pub(crate) screen: VecDeque<String>,
+    pub(crate) operator: Operator,
+    pub(crate) gripper: Option<Gripper>,
+    /// Where programs note the command that they carry out.
+    command_registers: Option<(u16, u16)>,
     /// The task whose statements are executed now.
     pub(crate) running: Option<TaskId>,
     effects: Vec<Effect>,
@@ -65,10 +74,13 @@ pub(crate) struct Hardware {
 /// What the executor carries for each motion.
 #[derive(Clone, Debug)]
 pub(crate) struct MotionTag {
-    id: MotionId,
+    pub(crate) id: MotionId,
     task: TaskId,
+    kind: MotionKind,
     target: PoseMmDeg,
     speed_mm_s: f64,
+    speed_percent: Option<f64>,
+    command: Option<CommandId>,
     program: Arc<str>,
     line: u32,
     origin: Origin,
@@ -112,14 +124,17 @@ impl Wake {
             Wait::Connect(name) => Tag::parse(name).is_some_and(|tag| self == Wake::Connect(tag)),
             Wait::MotionQueue => self == Wake::MotionQueue,
             Wait::Motion(motion) => self == Wake::Motion(*motion),
-            Wait::Until(_) => false,
+            Wait::Until(_) | Wait::Continue => false,
         }
     }
 }
 
 impl Hardware {
     pub(crate) fn new(config: &ControllerConfig) -> Self {
-        Self {
+        let gripper = config
+            .gripper
+            .map(|gripper| Gripper::new(gripper, config.workpieces.clone()));
+        let mut hardware = Self {
             name: config.name.as_str().into(),
             now: Duration::ZERO,
             planner: Planner::new(config.model.clone()),
@@ -131,6 +146,9 @@ impl Hardware {
             alarms: AlarmLog::new(config.limits.alarms),
             tags: Tag::all().map(ServerTag::new).collect(),
             screen: VecDeque::new(),
+            operator: Operator::default(),
+            gripper,
+            command_registers: config.command_registers,
             running: None,
             effects: Vec::new(),
             wakes: Vec::new(),
@@ -142,7 +160,9 @@ impl Hardware {
             stop_status: Status::OK,
             origins: BTreeMap::new(),
             refusals: BTreeMap::new(),
-        }
+        };
+        hardware.show_gripper();
+        hardware
     }
 
     pub(crate) fn take_effects(&mut self) -> Vec<Effect> {
@@ -160,6 +180,8 @@ impl Hardware {
             slot.task = None;
         }
         self.stop_arm("The power was switched off");
+        self.operator.hold = false;
+        let _nothing_goes_on = self.executor.resume(self.now);
         self.alarms.reset();
         self.screen.clear();
         self.forget_tasks(&[]);

@@ -5,13 +5,13 @@ use std::time::Duration;
 use kinematics::PendantJoints;
 
 use super::duration_from_secs_rounded_up;
-use super::path::JointPath;
+use super::path::Path;
 
 /// A planned motion with whatever its owner wants back when it ends.
 #[derive(Clone, Debug)]
 pub struct Motion<T> {
     /// Where to and how fast.
-    pub path: JointPath,
+    pub path: Path,
     /// The owner's notes: id, program, peer.
     pub tag: T,
 }
@@ -60,6 +60,8 @@ pub struct MotionEnd<T> {
 pub struct Executor<T> {
     rest: PendantJoints,
     rate: f64,
+    /// Whether motions that are added wait for [`Executor::resume`].
+    frozen: bool,
     running: Option<Running<T>>,
     pending: Option<Motion<T>>,
 }
@@ -81,7 +83,42 @@ enum Phase {
         progress: f64,
         rate: f64,
         slope: f64,
+        then: Then,
     },
+    /// Standing still on the path, until it goes on.
+    Held { progress: f64 },
+}
+
+/// What follows when the arm has come to rest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Then {
+    /// The motion is over.
+    Cancel,
+    /// It waits where it is.
+    Hold,
+    /// It goes on at once: somebody held it and changed their mind while it braked.
+    GoOn,
+}
+
+impl<T> Running<T> {
+    /// Whether its time is that of its end, and not of a hold.
+    fn ends(&self) -> bool {
+        match self.phase {
+            Phase::Traveling { .. } => true,
+            Phase::Stopping { then, .. } => then == Then::Cancel,
+            Phase::Held { .. } => false,
+        }
+    }
+
+    fn is_cancelled(&self) -> bool {
+        matches!(
+            self.phase,
+            Phase::Stopping {
+                then: Then::Cancel,
+                ..
+            }
+        )
+    }
 }
 
 impl<T> Executor<T> {
@@ -91,6 +128,7 @@ impl<T> Executor<T> {
         Self {
             rest,
             rate,
+            frozen: false,
             running: None,
             pending: None,
         }
@@ -105,7 +143,24 @@ impl<T> Executor<T> {
     /// Whether the arm moves.
     #[must_use]
     pub fn is_moving(&self) -> bool {
-        self.running.is_some()
+        self.running
+            .as_ref()
+            .is_some_and(|running| !matches!(running.phase, Phase::Held { .. }))
+    }
+
+    /// Whether a motion is held, or brakes to be held.
+    #[must_use]
+    pub fn is_held(&self) -> bool {
+        self.running.as_ref().is_some_and(|running| {
+            let braking = matches!(
+                running.phase,
+                Phase::Stopping {
+                    then: Then::Hold,
+                    ..
+                }
+            );
+            braking || matches!(running.phase, Phase::Held { .. })
+        })
     }
 
     /// Motions running and pending: 0 to 2.
@@ -162,6 +217,7 @@ impl<T> Executor<T> {
             Phase::Stopping {
                 since, rate, slope, ..
             } => (since, rate / slope),
+            Phase::Held { .. } => return None,
         };
         Some(since.saturating_add(duration_from_secs_rounded_up(seconds)))
     }
@@ -171,10 +227,13 @@ impl<T> Executor<T> {
     /// The second value is the tag of the motion that started. Call again until it answers `None`.
     pub fn end_due(&mut self, now: Duration) -> Option<(MotionEnd<T>, Option<&T>)> {
         let at = self.next_end().filter(|&at| at <= now)?;
+        if !self.running.as_ref()?.ends() {
+            return None;
+        }
         let running = self.running.take()?;
         let (outcome, joints) = match running.phase {
             Phase::Traveling { .. } => (Outcome::Finished, *running.motion.path.to()),
-            Phase::Stopping { .. } => (
+            Phase::Stopping { .. } | Phase::Held { .. } => (
                 Outcome::Cancelled,
                 running.motion.path.at(self.progress(&running, at)),
             ),
@@ -192,6 +251,114 @@ impl<T> Executor<T> {
         Some((end, started))
     }
 
+    /// Puts the arm somewhere else, as a person with the pendant does. `false` while there is a motion.
+    pub fn place(&mut self, joints: PendantJoints) -> bool {
+        let free = self.running.is_none() && self.pending.is_none();
+        if free {
+            self.rest = joints;
+        }
+        free
+    }
+
+    /// Brakes on the path and stays there; motions that are added while `frozen` wait as well.
+    pub fn hold(&mut self, now: Duration, frozen: bool) {
+        self.frozen |= frozen;
+        let phase = self.braking(now, Then::Hold);
+        if let Some(running) = &mut self.running
+            && let Some(phase) = phase
+        {
+            running.phase = phase;
+        }
+    }
+
+    /// Lets what was held go on along its path. The tag of the motion, if it starts to move now.
+    pub fn resume(&mut self, now: Duration) -> Option<&T> {
+        self.frozen = false;
+        let running = self.running.as_mut()?;
+        match &mut running.phase {
+            Phase::Stopping { then, .. } => {
+                if *then == Then::Hold {
+                    *then = Then::GoOn;
+                }
+                None
+            }
+            Phase::Held { progress } => {
+                running.motion.path = running.motion.path.remaining(*progress);
+                running.phase = Phase::Traveling {
+                    since: now,
+                    path_s: 0.0,
+                };
+                Some(&running.motion.tag)
+            }
+            Phase::Traveling { .. } => None,
+        }
+    }
+
+    /// Brings a motion that brakes to be held to its rest, if its time has come. Its tag, and whether it stays there.
+    pub fn hold_due(&mut self, now: Duration) -> Option<(&T, bool)> {
+        let at = self.next_end().filter(|&at| at <= now)?;
+        let progress = self.progress(self.running.as_ref()?, at);
+        let running = self.running.as_mut()?;
+        let Phase::Stopping { then, .. } = running.phase else {
+            return None;
+        };
+        match then {
+            Then::Cancel => None,
+            Then::Hold => {
+                running.phase = Phase::Held { progress };
+                Some((&running.motion.tag, true))
+            }
+            Then::GoOn => {
+                running.motion.path = running.motion.path.remaining(progress);
+                running.phase = Phase::Traveling {
+                    since: at,
+                    path_s: 0.0,
+                };
+                Some((&running.motion.tag, false))
+            }
+        }
+    }
+
+    /// How the running motion brakes from now on; `None` if nothing runs.
+    fn braking(&self, now: Duration, then: Then) -> Option<Phase> {
+        let running = self.running.as_ref()?;
+        Some(match running.phase {
+            Phase::Traveling { since, path_s } => {
+                let path_s = path_s + seconds_between(since, now) * self.rate;
+                let path = &running.motion.path;
+                let (rate, slope) = path.braking(path_s).unwrap_or((0.0, 1.0));
+                Phase::Stopping {
+                    since: now,
+                    progress: path.progress(path_s),
+                    rate: rate * self.rate,
+                    slope,
+                    then,
+                }
+            }
+            Phase::Stopping {
+                since,
+                progress,
+                rate,
+                slope,
+                then: before,
+            } => Phase::Stopping {
+                since,
+                progress,
+                rate,
+                slope,
+                then: if before == Then::Cancel { before } else { then },
+            },
+            Phase::Held { progress } if then == Then::Cancel => Phase::Stopping {
+                since: now,
+                progress,
+                rate: 0.0,
+                slope: 1.0,
+                then,
+            },
+            held @ Phase::Held { .. } => held,
+        })
+    }
+
     /// Changes the override to `rate` (0 to 1) at `now`, in the middle of a motion if there is one.
     pub fn set_rate(&mut self, now: Duration, rate: f64) {
         if let Some(running) = &mut self.running
@@ -205,19 +372,11 @@ impl<T> Executor<T> {
 
     /// Brakes on the path, with the acceleration of the motion, and drops the pending motion, which is returned.
     pub fn stop(&mut self, now: Duration) -> Option<MotionEnd<T>> {
-        let rate_of_time = self.rate;
+        let phase = self.braking(now, Then::Cancel);
         if let Some(running) = &mut self.running
-            && let Phase::Traveling { since, path_s } = running.phase
+            && let Some(phase) = phase
         {
-            let path_s = path_s + seconds_between(since, now) * rate_of_time;
-            let path = &running.motion.path;
-            let (rate, slope) = path.braking(path_s).unwrap_or((0.0, 1.0));
-            running.phase = Phase::Stopping {
-                since: now,
-                progress: path.progress(path_s),
-                rate: rate * rate_of_time,
-                slope,
-            };
+            running.phase = phase;
         }
         let motion = self.pending.take()?;
         let joints = self.joints(now);
@@ -231,15 +390,17 @@ impl<T> Executor<T> {
     }
 
     fn is_stopping(&self) -> bool {
-        self.running
-            .as_ref()
-            .is_some_and(|r| matches!(r.phase, Phase::Stopping { .. }))
+        self.running.as_ref().is_some_and(|r| r.is_cancelled())
     }
 
     fn start(&mut self, now: Duration, motion: Motion<T>) -> &T {
-        let phase = Phase::Traveling {
-            since: now,
-            path_s: 0.0,
+        let phase = if self.frozen {
+            Phase::Held { progress: 0.0 }
+        } else {
+            Phase::Traveling {
+                since: now,
+                path_s: 0.0,
+            }
         };
         let running = self.running.insert(Running {
             motion,
@@ -255,11 +416,13 @@ impl<T> Executor<T> {
                 .motion
                 .path
                 .progress(path_s + seconds_between(since, now) * self.rate),
+            Phase::Held { progress } => progress,
             Phase::Stopping {
                 since,
                 progress,
                 rate,
                 slope,
+                ..
             } => {
                 let t = seconds_between(since, now).min(rate / slope);
                 (progress + rate * t - 0.5 * slope * t * t).min(1.0)

@@ -13,7 +13,7 @@ fn arm() -> &'static ArmModel {
 fn motion(from: [f64; 6], to: [f64; 6], tag: u32) -> Motion<u32> {
     let joints = PendantJoints::from_degrees;
     Motion {
-        path: JointPath::plan(arm(), joints(from), joints(to), MmPerSec(500.0)),
+        path: Path::joint(arm(), joints(from), joints(to), MmPerSec(500.0)),
         tag,
     }
 }

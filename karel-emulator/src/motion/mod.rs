@@ -4,12 +4,14 @@
 //! motion that runs and the one that waits, and [`planner`] turns a Cartesian target into joints or into an alarm.
 
 pub mod executor;
+pub mod linear;
 pub mod path;
 pub mod planner;
 pub mod profile;
 
 pub use executor::{Added, Executor, Motion, MotionEnd, Outcome};
-pub use path::JointPath;
+pub use linear::LinearTarget;
+pub use path::Path;
 pub use planner::{Planner, Refusal};
 pub use profile::Profile;
 

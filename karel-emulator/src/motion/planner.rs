@@ -1,12 +1,14 @@
 //! From a KAREL position to joints, or to the alarm that says why not.
 
-use karel::{Config, JointPosition, Position, Status, XyzwprExt};
+use karel::{Config, JointPosition, Position, Status, TpTarget, XyzwprExt};
 use kinematics::{
     ArmModel, Configuration, Elbow, Flip, Frames, Front, IkError, Obstacle, PendantJoints, Pose,
     PoseError, Seed, Xyzwpr,
 };
 use units::{Degrees, Millimeters};
 
+use super::linear::{self, LinearTarget};
+use super::path::Path;
 use crate::ledger::PoseMmDeg;
 
 /// Why a position cannot be moved to: the status for the program and a sentence for people.
@@ -94,6 +96,38 @@ impl Planner {
         Ok(joints)
     }
 
+    /// The straight way of the tool from `from` to `target`.
+    ///
+    /// # Errors
+    /// As [`linear::plan`]; a target or a frame that is no pose.
+    pub fn linear(
+        &self,
+        from: PendantJoints,
+        target: &TpTarget,
+        (user_frame, tool): (&Position, &Position),
+        speeds: (f64, f64),
+    ) -> Result<Path, Refusal> {
+        let refused = |what: &str, error: &PoseError| {
+            let text = format!("{what} is not a pose: {error}");
+            Refusal::new(Status::MOTN_UNREACHABLE, text)
+        };
+        let frames = frames(user_frame, tool).map_err(|(what, error)| refused(what, &error))?;
+        let target = match target {
+            TpTarget::Cartesian(position) => LinearTarget {
+                tcp: pose(&Position::from(*position)).map_err(|e| refused("the position", &e))?,
+                configuration: configuration(position.config),
+            },
+            TpTarget::Joints(joints) => {
+                let joints = pendant_joints(joints)?;
+                LinearTarget {
+                    tcp: frames.tcp_in_user_frame(&self.model.forward(&joints)),
+                    configuration: self.model.configuration(&joints),
+                }
+            }
+        };
+        linear::plan(&self.model, &frames, from, &target, speeds)
+    }
+
     /// Whether the arm may stand at these joints.
     ///
     /// # Errors
@@ -138,6 +172,16 @@ impl Planner {
         })
     }
 
+    /// Where `tool` is in the world; the flange, if the tool is no pose.
+    #[must_use]
+    pub fn tcp_in_world(&self, joints: &PendantJoints, tool: &Position) -> Pose {
+        let flange = self.model.forward(joints);
+        match pose(tool) {
+            Ok(tool) => flange * tool,
+            Err(_) => flange,
+        }
+    }
+
     /// As [`Self::position`], in full precision, for the panel.
     #[must_use]
     pub fn pose(
@@ -152,6 +196,12 @@ impl Planner {
             .xyzwpr();
         Some(components(&tcp).into())
     }
+}
+
+/// A pose as the ledger writes it.
+#[must_use]
+pub fn pose_mm_deg(pose: &Pose) -> PoseMmDeg {
+    components(&pose.xyzwpr()).into()
 }
 
 /// KAREL's joints as the arm's.
@@ -186,7 +236,7 @@ pub fn pose_of_target(target: &XyzwprExt) -> PoseMmDeg {
     [x, y, z, w, p, r].map(f64::from).into()
 }
 
-fn ik_refusal(error: &IkError) -> Refusal {
+pub(super) fn ik_refusal(error: &IkError) -> Refusal {
     match error {
         IkError::JointLimit { violations, .. }
         | IkError::NoSolutionInConfiguration {

@@ -45,6 +45,10 @@ pub enum Live {
     FastClock,
     /// Whether the arm moves.
     RobotMoves,
+    /// Bits of what keeps the arm from moving.
+    SafetyStatus,
+    /// Whether the servos are on.
+    ServoReady,
 }
 
 #[derive(Clone, Debug)]

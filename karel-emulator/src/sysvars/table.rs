@@ -137,12 +137,8 @@ impl Table {
         self.stored("$DMAURST", Kind::Boolean, Value::Boolean(false));
         self.integer("$JCR_GRP[1].$JOG_COORD", ANY, 0);
         self.integer("$SCAN_TIME", Kind::Integer { min: 1, max: 4096 }, 32);
-        self.integer("$MOR.$SAFETY_STAT", ANY, 0);
-        self.stored(
-            "$MOR_GRP[1].$SERVO_READY",
-            Kind::Boolean,
-            Value::Boolean(true),
-        );
+        self.live("$MOR.$SAFETY_STAT", ANY, Live::SafetyStatus);
+        self.live("$MOR_GRP[1].$SERVO_READY", Kind::Boolean, Live::ServoReady);
         self.live("$MOR_GRP[1].$ROB_MOVE", Kind::Boolean, Live::RobotMoves);
         self.live("$FAST_CLOCK", ANY, Live::FastClock);
         self.stored(

@@ -2,6 +2,8 @@
 #![allow(dead_code, reason = "every test file uses its own part")]
 #![allow(clippy::unwrap_used, reason = "a helper that fails stops its test")]
 
+pub(crate) mod wire;
+
 use std::net::SocketAddr;
 use std::time::Duration;
 

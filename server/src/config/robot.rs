@@ -99,6 +99,12 @@ impl RobotPlan {
             u64::from(protocol::MIN_SPEED),
             u64::from(protocol::MAX_SPEED),
         )?;
+        if section.tier == api::Tier::SeedStatus {
+            return Err(ConfigError::new(
+                at("tier"),
+                "`seed_status` is not supported yet; use `seed` or `cell_server`".to_owned(),
+            ));
+        }
         let controller: ControllerAddress = section
             .controller
             .parse()

@@ -37,6 +37,7 @@ use crate::target::{Prepared, Refusal};
 #[derive(Clone, Debug)]
 pub(crate) struct Link {
     queue: mpsc::Sender<Job>,
+    fences: mpsc::Sender<FenceAnswer>,
     status: watch::Receiver<Status>,
 }
 
@@ -115,6 +116,9 @@ pub(crate) enum Turned {
     Stopping,
 }
 
+/// Who waits for a fence.
+type FenceAnswer = oneshot::Sender<Result<(), LinkError>>;
+
 /// A place in the queue that is not filled yet.
 #[derive(Debug)]
 pub(crate) struct Place<'a>(mpsc::Permit<'a, Job>);
@@ -127,6 +131,30 @@ impl Link {
             Err(mpsc::error::TrySendError::Full(())) => Err(Turned::Busy),
             Err(mpsc::error::TrySendError::Closed(())) => Err(Turned::Stopping),
         }
+    }
+
+    /// Sends the controller a message it refuses, after the command in hand, and waits for the refusal.
+    ///
+    /// The seed program serves one connection after the other: once it has answered, no command sent before is still
+    /// on its way to it. That is all a fence can say at this tier. A motion that was accepted runs on, an older
+    /// process of the server may still write, and the pendant moves the arm as it likes.
+    ///
+    /// # Errors
+    /// The controller did not refuse it: nothing is proven. A refused connection means that it is busy, not that it
+    /// has read everything.
+    #[cfg_attr(
+        not(test),
+        expect(
+            dead_code,
+            reason = "the motion service fences with it after a restart"
+        )
+    )]
+    pub(crate) async fn fence(&self) -> Result<(), LinkError> {
+        let (answer, answered) = oneshot::channel();
+        if self.fences.send(answer).await.is_err() {
+            return Err(LinkError::Stopping);
+        }
+        answered.await.unwrap_or(Err(LinkError::Stopping))
     }
 
     /// The link as it is now.

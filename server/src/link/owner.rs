@@ -12,7 +12,7 @@ use units::{Degrees, Millimeters};
 use uuid::Uuid;
 
 use super::seed::{Answered, Drained, Exchange, drain};
-use super::{Answer, Base, Connector, Job, Link, LinkError, Order, Status};
+use super::{Answer, Base, Connector, FenceAnswer, Job, Link, LinkError, Order, Status};
 use crate::config::RobotPlan;
 use crate::metrics::LinkMetrics;
 use crate::motions::{Asked, End, Entry, Motions, Permit};
@@ -41,6 +41,7 @@ pub(crate) fn spawn<C: Connector>(
     stop: CancellationToken,
 ) -> Link {
     let (queue, jobs) = mpsc::channel(owner.plan.queue_capacity);
+    let (fences, fenced) = mpsc::channel(1);
     let (publish, status) = watch::channel(Status {
         state: LinkState::Untried,
         last_answer_at: None,
@@ -55,8 +56,12 @@ pub(crate) fn spawn<C: Connector>(
         received: Vec::with_capacity(256),
     };
     // The tracker waits for the task; nothing needs its handle.
-    drop(tracker.spawn(task.run(jobs, stop)));
-    Link { queue, status }
+    drop(tracker.spawn(task.run(jobs, fenced, stop)));
+    Link {
+        queue,
+        fences,
+        status,
+    }
 }
 
 struct Task<C> {
@@ -67,11 +72,22 @@ struct Task<C> {
 }
 
 impl<C: Connector> Task<C> {
-    async fn run(mut self, mut jobs: mpsc::Receiver<Job>, stop: CancellationToken) {
+    async fn run(
+        mut self,
+        mut jobs: mpsc::Receiver<Job>,
+        mut fences: mpsc::Receiver<FenceAnswer>,
+        stop: CancellationToken,
+    ) {
         loop {
             let job = tokio::select! {
                 biased;
                 () = stop.cancelled() => break,
+                Some(answer) = fences.recv() => {
+                    let fenced = self.fence().await;
+                    // Whoever asked may have gone.
+                    let _gone = answer.send(fenced);
+                    continue;
+                }
                 job = jobs.recv() => job,
             };
             match job {
@@ -82,6 +98,27 @@ impl<C: Connector> Task<C> {
         jobs.close();
         while let Some(job) = jobs.recv().await {
             self.fail_unsent(job, LinkError::Stopping).await;
+        }
+    }
+
+    /// Has the controller refuse a message, which proves that it has read those before.
+    async fn fence(&mut self) -> Result<(), LinkError> {
+        let exchange = Exchange {
+            connector: &*self.owner.connector,
+            plan: &self.owner.plan,
+            request_id: "fence",
+            deadline: Instant::now() + self.owner.plan.deadline,
+            reopening_until: self.reopening_until.take(),
+        };
+        let stream = exchange.connect().await?;
+        let fence = protocol::seed_fence();
+        let Answered { reply, stream } = exchange.send(stream, &fence, &mut self.received).await?;
+        self.finish(stream, "fence").await;
+        match reply {
+            Reply::Unreachable => Ok(()),
+            Reply::Accepted | Reply::IncorrectInput => Err(LinkError::UnknownReply {
+                text: reply.text().to_owned(),
+            }),
         }
     }
 
@@ -304,7 +341,8 @@ impl<C: Connector> Task<C> {
                 bytes = self.received.len(),
                 "bytes followed the controller's reply; is another program answering?"
             ),
-            Drained::LeftOpen => tracing::warn!(
+            // Some controllers close their end only when the client does; nothing is wrong with the command.
+            Drained::LeftOpen => tracing::info!(
                 robot.id = self.owner.plan.id,
                 request_id,
                 "the controller left the connection open after its reply"

@@ -63,7 +63,7 @@ impl Connector for Pipes {
         let (ours, mut robots) = duplex(4096);
         drop(tokio::spawn(async move {
             let mut received = Vec::new();
-            while decode_command(&received).is_err() {
+            while decode_command(&received).is_err() && received != *protocol::seed_fence() {
                 let count = robots.read_buf(&mut received).await.unwrap();
                 assert!(count > 0, "the link hung up in the middle of a command");
             }
@@ -278,4 +278,43 @@ async fn a_deadline_counts_the_wait_in_the_queue() {
     let error = error_of(second);
     assert!(matches!(error, LinkError::DeadlinePassed), "{error:?}");
     assert_eq!(pipes.attempts().len(), 1);
+}
+
+#[tokio::test(start_paused = true)]
+async fn a_fence_is_proven_by_the_refusal_and_by_nothing_else() {
+    let pipes = Pipes::default();
+    let robot = link(&pipes);
+    pipes.then([Attempt::Answered(Reply::Unreachable, Duration::ZERO)]);
+    robot.0.fence().await.unwrap();
+    pipes.then([Attempt::Answered(Reply::Accepted, Duration::ZERO)]);
+    let error = robot.0.fence().await.unwrap_err();
+    assert!(matches!(error, LinkError::UnknownReply { .. }), "{error:?}");
+    sleep(Duration::from_secs(1)).await;
+    pipes.then([Attempt::Refused]);
+    let error = robot.0.fence().await.unwrap_err();
+    assert!(matches!(error, LinkError::Connect { .. }), "{error:?}");
+    pipes.then([Attempt::Answered(
+        Reply::Unreachable,
+        Duration::from_secs(3),
+    )]);
+    let error = robot.0.fence().await.unwrap_err();
+    assert!(matches!(error, LinkError::NoReply { .. }), "{error:?}");
+}
+
+#[tokio::test(start_paused = true)]
+async fn a_fence_comes_after_the_command_in_hand_and_before_those_that_wait() {
+    let pipes = Pipes::default();
+    let robot = link(&pipes);
+    pipes.then([
+        Attempt::Answered(Reply::Accepted, Duration::from_millis(500)),
+        Attempt::Answered(Reply::Unreachable, Duration::ZERO),
+    ]);
+    let fence = async {
+        sleep(Duration::from_millis(100)).await;
+        robot.0.fence().await
+    };
+    let (first, second, fenced) = tokio::join!(home(&robot, LONG), home(&robot, LONG), fence);
+    assert_accepted(&first);
+    assert_accepted(&second);
+    fenced.unwrap();
 }

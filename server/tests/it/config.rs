@@ -102,6 +102,41 @@ fn a_value_that_does_not_fit_is_named_by_its_key_with_its_limit() {
         ("z_mm = 120", "z_mm = 1e12", "cells[0].robots[1].tool: "),
         ("z_mm = 120", "z_mm = nan", "cells[0].robots[1].tool: "),
         (
+            "tier = \"seed\"",
+            "tier = \"seed_status\"",
+            "cells[0].robots[1].tier: `seed_status` is not supported yet",
+        ),
+        (
+            "tier = \"seed\"",
+            "tier = \"seed\"\nstatus_controller = \"robot-2:59003\"",
+            "cells[0].robots[1].status_controller: a controller of tier `seed` has no",
+        ),
+        (
+            "tier = \"seed\"",
+            "tier = \"cell_server\"\nstatus_controller = \"robot-2\"",
+            "cells[0].robots[1].status_controller: `robot-2` is not `host:port`",
+        ),
+        (
+            "robot-2.plant.example:59002\"\ntier = \"seed\"",
+            "robot-2.plant.example:65535\"\ntier = \"cell_server\"",
+            "cells[0].robots[1].status_controller: is absent, and there is no port after",
+        ),
+        (
+            "max_speed_mm_s = 500",
+            "position_tolerance_mm = 0",
+            "cells[0].robots[1].position_tolerance_mm: 0 is not a number of 0.001 to 100",
+        ),
+        (
+            "max_speed_mm_s = 500",
+            "rotation_tolerance_deg = nan",
+            "cells[0].robots[1].rotation_tolerance_deg: NaN is not a number of 0.001 to 45",
+        ),
+        (
+            "max_speed_mm_s = 500",
+            "time_scale = 1e9",
+            "cells[0].robots[1].time_scale: 1000000000 is not a number of 0.01 to 1000",
+        ),
+        (
             "127.0.0.1:8080",
             "localhost",
             "server.listen: `localhost` is not `address:port`",

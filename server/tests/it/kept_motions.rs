@@ -78,7 +78,7 @@ async fn an_answer_survives_a_crash_and_the_key_leads_to_it() {
     disk.lose_power();
 
     let server = serve(&robot, &disk).await;
-    assert_eq!(motions(&server).await, [first.clone()]);
+    assert_eq!(motions(&server).await, std::slice::from_ref(&first));
     let again = server.post_with_key(MOTIONS, "k1", &body).await;
     assert_eq!(again.status, 202);
     assert_eq!(again.header("idempotency-replayed"), Some("true"));

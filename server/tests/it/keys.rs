@@ -44,7 +44,7 @@ async fn the_same_request_again_is_answered_and_not_sent() {
     let server = TestServer::start(&robot).await;
     let first = server.post_with_key(MOTIONS, "k1", MOTION).await;
     assert_eq!(first.header("idempotency-replayed"), None);
-    let respaced = MOTION.replace(' ', "").replace('\n', "");
+    let respaced = MOTION.replace([' ', '\n'], "");
     for body in [MOTION, &respaced] {
         let again = server.post_with_key(MOTIONS, "\"k1\"", body).await;
         assert_eq!(again.status, 202);

@@ -8,6 +8,8 @@
 use super::{Builtin, Context, Outcome, Param, Returns};
 use crate::{
     machine::{cell::Cell, fault::Fault},
+    position::Config,
+    status::Status,
     text_reader::{parse_integer, parse_real},
     text_writer::{MAX_WIDTH, fixed_point, integer_text, scientific},
     value::Text,
@@ -17,6 +19,8 @@ use crate::{
 pub(super) const TABLE: &[Builtin] = &[
     Builtin { name: "CNV_INT_STR", params: &[Param::Integer, Param::Integer, Param::Integer, Param::OutText], required: 4, returns: Returns::Nothing, code: int_str },
     Builtin { name: "CNV_REAL_STR", params: &[Param::Real, Param::Integer, Param::Integer, Param::OutText], required: 4, returns: Returns::Nothing, code: real_str },
+    Builtin { name: "CNV_CONF_STR", params: &[Param::Config, Param::OutText], required: 2, returns: Returns::Nothing, code: conf_str },
+    Builtin { name: "CNV_STR_CONF", params: &[Param::Text, Param::OutConfig, Param::OutInteger], required: 3, returns: Returns::Nothing, code: str_conf },
     Builtin { name: "CNV_STR_INT", params: &[Param::Text, Param::OutInteger], required: 2, returns: Returns::Nothing, code: str_int },
     Builtin { name: "CNV_STR_REAL", params: &[Param::Text, Param::OutReal], required: 2, returns: Returns::Nothing, code: str_real },
 ];
@@ -43,6 +47,26 @@ fn int_str(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     };
     let text = right_justified(&integer_text(context.integer(0), base), context.integer(1))?;
     context.put_text(3, text);
+    Ok(Outcome::Done)
+}
+
+/// A configuration as the pendant shows it.
+fn conf_str(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    let Cell::Config(config) = *context.arg(0) else {
+        return Err(Fault::uninit());
+    };
+    context.put_text(1, Text::from(config.to_string().as_str()));
+    Ok(Outcome::Done)
+}
+
+/// A text that is no configuration leaves the variable without a value.
+fn str_conf(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    let (cell, status) = match Config::parse(&context.text(0).to_string_lossless()) {
+        Some(config) => (Cell::Config(config), Status::OK),
+        None => (Cell::Uninit, Status::INTP_ARGUMENT),
+    };
+    context.put(1, cell);
+    context.put_status(2, status);
     Ok(Outcome::Done)
 }
 

@@ -12,6 +12,7 @@ use crate::{
     host::{InputEnd, Progress},
     machine::{cell::Cell, fault::Fault},
     status::{Status, attribute},
+    text_reader::LineState,
 };
 
 #[rustfmt::skip]
@@ -66,7 +67,9 @@ fn set_file_atr(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     Ok(Outcome::Done)
 }
 
-/// Bytes that can be read without waiting. Once they are used up and the peer is gone, the status
+/// Bytes that can be read without waiting.
+///
+/// ASSUMPTION: an LF that follows the CR of a line that was read does not count. Once they are used up and the peer is gone, the status
 /// says so and the number stays uninitialized.
 fn bytes_ahead(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     let file = context.memory.file(context.variable(0));
@@ -76,7 +79,10 @@ fn bytes_ahead(context: &mut Context<'_>) -> Result<Outcome, Fault> {
         return Ok(Outcome::Done);
     };
     let input = context.host.input(id);
-    let count = i32::try_from(input.bytes.len()).unwrap_or(i32::MAX);
+    // The LF of a line that ended with CR LF was read with that line.
+    let of_last_line = file.line_state == LineState::AfterCr && input.bytes.first() == Some(&b'\n');
+    let ahead = input.bytes.len() - usize::from(of_last_line);
+    let count = i32::try_from(ahead).unwrap_or(i32::MAX);
     let (count, status) = match input.end {
         InputEnd::Closed(status) if count == 0 => (Cell::Uninit, status),
         InputEnd::Closed(_) | InputEnd::Open => (Cell::Integer(count), Status::OK),

@@ -5,7 +5,9 @@ mod file;
 mod joints;
 mod math;
 mod motion;
+mod panel;
 mod register;
+mod semaphore;
 mod string;
 mod task;
 mod variable;
@@ -19,6 +21,8 @@ use crate::{
         Loaded, Tasks,
         cell::{Address, Cell, Memory},
         fault::Fault,
+        semaphore::Semaphores,
+        task::Pending,
     },
     position::{JointPosition, XyzwprExt},
     program::Program,
@@ -118,7 +122,9 @@ fn tables() -> impl Iterator<Item = &'static Builtin> {
         joints::TABLE,
         math::TABLE,
         motion::TABLE,
+        panel::TABLE,
         register::TABLE,
+        semaphore::TABLE,
         string::TABLE,
         task::TABLE,
         variable::TABLE,
@@ -133,26 +139,17 @@ const PLANNED: &[&str] = &[
     "APPROACH",
     "CALL_PROG",
     "CALL_PROGLIN",
-    "CLEAR_SEMA",
-    "CNV_CONF_STR",
-    "CNV_STR_CONF",
     "CNV_STR_TIME",
     "CNV_TIME_STR",
-    "ERR_DATA",
     "FORCE_SPMENU",
     "FRAME",
     "GET_TPE_PRM",
-    "IN_AUTO_MODE",
     "INV",
     "MSG_PING",
     "ORIENT",
     "PATH_LEN",
-    "PAUSE_TASK",
-    "PEND_SEMA",
     "POST_ERR",
-    "POST_SEMA",
     "READ_KB",
-    "TP_ENABLED",
     "UNPOS",
     "VOL_SPACE",
     "WRITE_DICT",
@@ -170,6 +167,9 @@ pub(crate) struct Context<'a> {
     /// All tasks but the one that runs.
     pub(crate) tasks: &'a mut Tasks,
     pub(crate) registers: &'a mut Registers,
+    pub(crate) semaphores: &'a mut Semaphores,
+    /// Progress of a built-in that waits.
+    pub(crate) pending: &'a mut Pending,
     pub(crate) running: Running<'a>,
     pub(crate) limits: &'a Limits,
     pub(crate) host: &'a mut dyn Host,

@@ -16,9 +16,11 @@ use crate::{
 #[rustfmt::skip]
 pub(super) const TABLE: &[Builtin] = &[
     Builtin { name: "ABORT_TASK", params: &[Param::Text, Param::Boolean, Param::Boolean, Param::OutInteger], required: 4, returns: Returns::Nothing, code: abort_task },
+    Builtin { name: "CONT_TASK", params: &[Param::Text, Param::OutInteger], required: 2, returns: Returns::Nothing, code: cont_task },
     Builtin { name: "CURR_PROG", params: &[], required: 0, returns: Returns::Text, code: curr_prog },
     Builtin { name: "GET_TIME", params: &[Param::OutInteger], required: 1, returns: Returns::Nothing, code: get_time },
     Builtin { name: "GET_TSK_INFO", params: &[Param::InOutText, Param::InOutInteger, Param::Integer, Param::OutInteger, Param::OutText, Param::OutInteger], required: 6, returns: Returns::Nothing, code: get_tsk_info },
+    Builtin { name: "PAUSE_TASK", params: &[Param::Text, Param::Boolean, Param::Boolean, Param::OutInteger], required: 4, returns: Returns::Nothing, code: pause_task },
     Builtin { name: "RUN_TASK", params: &[Param::Text, Param::Integer, Param::Boolean, Param::Boolean, Param::Integer, Param::OutInteger], required: 6, returns: Returns::Nothing, code: run_task },
 ];
 
@@ -76,6 +78,41 @@ fn abort_task(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     Ok(Outcome::Done)
 }
 
+/// Pauses another task, and holds what it moves if that is wanted.
+///
+/// ASSUMPTION: force or not is the same here; a task cannot pause itself by its name.
+fn pause_task(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    let wanted = name(context, 0);
+    let hold = context.boolean(2);
+    let found = context.tasks.named(&wanted).map(|(id, _)| id);
+    let status = match found {
+        Some(id) if context.tasks.pause(id) => {
+            if hold {
+                context.host.hold_motions(id);
+            }
+            Status::OK
+        }
+        Some(_) | None => Status::PROG_NO_TASK,
+    };
+    context.put_status(3, status);
+    Ok(Outcome::Done)
+}
+
+/// Lets a paused task go on, with what it moved.
+fn cont_task(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    let wanted = name(context, 0);
+    let found = context.tasks.named(&wanted).map(|(id, _)| id);
+    let status = match found {
+        Some(id) if context.tasks.resume(id) => {
+            context.host.continue_motions(id);
+            Status::OK
+        }
+        Some(_) | None => Status::PROG_NO_TASK,
+    };
+    context.put_status(1, status);
+    Ok(Outcome::Done)
+}
+
 /// The name, or if that is empty the number, says which task; both are filled in.
 ///
 /// ASSUMPTION: a program that was loaded and never started is as one that was aborted.
@@ -129,6 +166,7 @@ fn find(context: &Context<'_>, wanted: &str, number: Option<u32>) -> Result<Foun
             name: found.name.to_string(),
             number: Some(id.0),
             status: match found.state {
+                TaskState::Ready | TaskState::Blocked(_) if found.paused => task::PAUSED,
                 TaskState::Ready | TaskState::Blocked(_) => task::RUNNING,
                 TaskState::Ended | TaskState::Aborted(_) => task::ABORTED,
             },

@@ -3,6 +3,7 @@
 use super::{Checker, Home, Signature, scope::Symbol};
 use crate::{
     ast::{Decl, Memory, Name, Routine, RoutineBody, Storage},
+    ir::SharedVariable,
     typed::Root,
     types::{MAX_CELLS, Type},
 };
@@ -24,10 +25,19 @@ impl Checker<'_> {
                 Decl::Var {
                     names,
                     storage,
+                    home,
                     ty: written,
                 } => {
                     let ty = self.type_of(written, None);
                     self.refuse_open(&ty, written);
+                    if let Some(home) = home
+                        && home.text != self.program
+                    {
+                        for name in names {
+                            self.declare_shared(name, home, &ty, global);
+                        }
+                        continue;
+                    }
                     let memory = self.memory(*storage, global);
                     for name in names {
                         if memory == Memory::Cmos {
@@ -84,6 +94,31 @@ impl Checker<'_> {
             },
             global,
         );
+    }
+
+    /// A variable of another program: a cell that holds its address.
+    fn declare_shared(&mut self, name: &Name, home: &Name, ty: &Type, global: bool) {
+        if !global {
+            let message = "only a program can use variables of another, not a routine";
+            return self.reports.error(home.span, message);
+        }
+        if ty.holds_file() {
+            let message = "a FILE variable cannot be shared between programs";
+            return self.reports.error(name.span, message);
+        }
+        let cell = self.globals.cells;
+        self.globals.cells = self.globals.cells.saturating_add(1);
+        self.shared.push(SharedVariable {
+            name: name.text.clone(),
+            program: home.text.clone(),
+            cell,
+            ty: ty.clone(),
+        });
+        let symbol = Symbol::Variable {
+            root: Root::Shared(cell),
+            ty: ty.clone(),
+        };
+        self.declare_symbol(name, symbol, true);
     }
 
     fn declare_symbol(&mut self, name: &Name, symbol: Symbol, global: bool) {

@@ -37,6 +37,10 @@ pub(crate) struct Checked {
     pub(crate) global_files: Vec<u32>,
     /// Names of the variables that keep their values without power.
     pub(crate) persistent: Vec<String>,
+    /// Variables of other programs.
+    pub(crate) shared: Vec<ir::SharedVariable>,
+    /// What may interrupt its tasks.
+    pub(crate) attributes: ir::Attributes,
     /// Routines of other programs that are called.
     pub(crate) externals: Vec<External>,
     /// The main body first.
@@ -53,6 +57,8 @@ pub(crate) fn check(program: &ast::Program, reports: &mut Reports) -> Checked {
         routines: HashMap::new(),
         signatures: Vec::new(),
         externals: Vec::new(),
+        shared: Vec::new(),
+        attributes: ir::Attributes::default(),
         cmos_vars: false,
         persistent: Vec::new(),
         frame: Frame::default(),
@@ -70,6 +76,8 @@ struct Checker<'a> {
     routines: HashMap<String, usize>,
     signatures: Vec<Signature>,
     externals: Vec<External>,
+    shared: Vec<ir::SharedVariable>,
+    attributes: ir::Attributes,
     /// `%CMOSVARS`.
     cmos_vars: bool,
     /// Variables that keep their values without power.
@@ -153,6 +161,12 @@ impl Checker<'_> {
     fn directives(&mut self, directives: &[ast::Directive]) {
         for directive in directives {
             let name = directive.name.as_str();
+            if name == "%NOPAUSE" {
+                self.attributes.no_pause = ir::Sources::parse(&directive.argument);
+            }
+            if name == "%NOABORT" {
+                self.attributes.no_abort = ir::Sources::parse(&directive.argument);
+            }
             self.cmos_vars |= matches!(name, "%CMOSVARS" | "%SHADOWVARS");
             if !KNOWN_DIRECTIVES.contains(&name) {
                 self.reports.warning(
@@ -184,6 +198,8 @@ impl Checker<'_> {
             global_files: self.globals.files.clone(),
             globals: self.globals.into_variables(),
             externals: self.externals,
+            shared: self.shared,
+            attributes: self.attributes,
             persistent: self.persistent,
             routines,
         }

@@ -71,7 +71,7 @@ impl Scope {
                 ty,
             } => Some((name, (cell, ty))),
             Symbol::Variable {
-                root: Root::Local(_) | Root::Param(_),
+                root: Root::Local(_) | Root::Param(_) | Root::Shared(_),
                 ..
             }
             | Symbol::Constant(_)

@@ -4,7 +4,7 @@ use super::{Checker, Label, scope::Symbol};
 use crate::{
     ast::{self, Direction, Name, Path},
     span::Span,
-    typed::{Case, Expr, Place, Stmt, StmtKind, Target},
+    typed::{Case, Expr, Place, Root, Stmt, StmtKind, Target},
     types::{PositionKind, Type},
 };
 
@@ -78,6 +78,8 @@ impl Checker<'_> {
             ast::StmtKind::Using { places, body } => Some(self.using(places, body)),
             ast::StmtKind::WaitFor(conditions) => self.wait_for(conditions, stmt.span),
             ast::StmtKind::Delay(time) => Some(StmtKind::Delay(self.integer(time))),
+            ast::StmtKind::ConnectTimer(path) => self.timer(path).map(StmtKind::ConnectTimer),
+            ast::StmtKind::DisconnectTimer(path) => self.timer(path).map(StmtKind::DisconnectTimer),
             ast::StmtKind::MoveTo { target, waits } => {
                 let wanted = Type::Position(PositionKind::XyzwprExt);
                 Some(StmtKind::MoveTo {
@@ -221,6 +223,23 @@ impl Checker<'_> {
             return None;
         }
         Some(place)
+    }
+
+    /// An INTEGER variable of a program: those of a routine go away while the clock goes on.
+    fn timer(&mut self, path: &Path) -> Option<Place> {
+        let place = self.place(path)?;
+        if !matches!(place.ty, Type::Integer | Type::Error) {
+            let message = format!("a timer must be an INTEGER, this is {}", place.ty);
+            self.reports.error(path.span, message);
+        }
+        match place.root {
+            Root::Global(_) | Root::Shared(_) => Some(place),
+            Root::Local(_) | Root::Param(_) => {
+                let message = "a timer must be a variable of the program, not of a routine";
+                self.reports.error(path.span, message);
+                None
+            }
+        }
     }
 
     fn define_label(&mut self, name: &Name) -> StmtKind {

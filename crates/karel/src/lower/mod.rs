@@ -8,8 +8,9 @@ use std::collections::HashMap;
 
 use crate::{
     check::Checked,
-    ir::{Code, Op, Outward, RoutineCode},
+    ir::{Code, Op, Outward, RoutineCode, Signature},
     span::Source,
+    tp::Instruction,
     typed::Routine,
 };
 
@@ -32,6 +33,33 @@ pub(crate) fn lower(program: &Checked, source: &Source) -> Code {
     }
     lowering.code.externals.clone_from(&program.externals);
     lowering.code
+}
+
+/// The code of a TP program: one instruction for each line, and the end.
+pub(crate) fn listing(name: &std::sync::Arc<str>, instructions: Vec<Instruction>) -> Code {
+    let lines = count(instructions.len());
+    let mut code = Code {
+        ops: (0..lines)
+            .map(|row| Op::Outward(Outward::Tp(row)))
+            .collect(),
+        lines: (1..=lines).collect(),
+        tp: instructions,
+        ..Code::default()
+    };
+    code.ops.push(Op::Outward(Outward::EndProgram));
+    code.lines.push(lines + 1);
+    code.routines.push(RoutineCode {
+        name: name.clone(),
+        signature: Signature {
+            params: Vec::new(),
+            result: None,
+        },
+        entry: 0,
+        args: 0,
+        frame_cells: 0,
+        files: Vec::new(),
+    });
+    code
 }
 
 struct Lowering<'a> {
@@ -61,7 +89,7 @@ impl Lowering<'_> {
         self.stmts(&routine.body);
         self.line = self.source.line(routine.end);
         self.emit(if self.is_main {
-            Op::Outward(Outward::EndTask)
+            Op::Outward(Outward::EndProgram)
         } else if routine.signature.result.is_some() {
             Op::Outward(Outward::MissingReturn)
         } else {

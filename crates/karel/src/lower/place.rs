@@ -2,7 +2,7 @@
 
 use super::{Lowering, add_row};
 use crate::{
-    ir::{Op, Shape, SystemPart, SystemRef},
+    ir::{Op, Rare, Shape, SystemPart, SystemRef},
     syspath::SysPath,
     typed::{Constant, Expr, ExprKind, Place, Root, Step, SystemPlace, SystemStep},
     types::{TextLength, Type},
@@ -62,6 +62,7 @@ impl Lowering<'_> {
             Root::Global(cell) => Op::AddressGlobal(cell),
             Root::Local(cell) => Op::AddressLocal(cell),
             Root::Param(cell) => Op::AddressParam(cell),
+            Root::Shared(cell) => Op::Rare(Rare::AddressShared(cell)),
         });
         for step in &place.steps {
             match step {
@@ -189,7 +190,7 @@ fn fixed(place: &Place) -> Option<Fixed> {
     match place.root {
         Root::Global(cell) => Some(Fixed::Global(cell + offset)),
         Root::Local(cell) => Some(Fixed::Local(cell + offset)),
-        Root::Param(_) => None,
+        Root::Param(_) | Root::Shared(_) => None,
     }
 }
 

@@ -107,6 +107,14 @@ impl Lowering<'_> {
                 self.scalar(time);
                 self.emit(Op::Outward(Outward::Delay));
             }
+            StmtKind::ConnectTimer(timer) => {
+                self.address(timer);
+                self.emit(Op::Outward(Outward::ConnectTimer));
+            }
+            StmtKind::DisconnectTimer(timer) => {
+                self.address(timer);
+                self.emit(Op::Outward(Outward::DisconnectTimer));
+            }
             StmtKind::MoveTo { target, waits } => {
                 self.value(target);
                 self.emit(Op::Outward(Outward::Move(*waits)));
@@ -248,7 +256,7 @@ impl Lowering<'_> {
     fn return_statement(&mut self, value: Option<&Expr>) {
         match value {
             // A RETURN of the main body ends the program.
-            None if self.is_main => return self.emit(Op::Outward(Outward::EndTask)),
+            None if self.is_main => return self.emit(Op::Outward(Outward::EndProgram)),
             None => {}
             Some(value) if value.ty.is_scalar() => self.scalar(value),
             Some(value) => {

@@ -34,6 +34,34 @@ impl Exec<'_> {
         Ok(flow)
     }
 
+    /// Calls a whole program by its name, in this task.
+    pub(super) fn call_program(&mut self, name: &str) -> Result<Flow, Fault> {
+        let mut programs = self.programs.iter().enumerate();
+        let found = programs.find(|(_, loaded)| loaded.name() == name);
+        let Some((index, loaded)) = found else {
+            let message = format!("There is no program {name}");
+            return Err(Fault::new(Status::INTP_CALL_FAILED, message));
+        };
+        let flow = self.enter(&loaded.program, 0)?;
+        self.switch_program(index);
+        Ok(flow)
+    }
+
+    /// The end of a program: back to the caller, or the end of the task.
+    pub(super) fn end_program(&mut self) -> Flow {
+        if self.task.callers.is_empty() {
+            self.close_locals(0);
+            return Flow::Ended;
+        }
+        self.return_from_call()
+    }
+
+    /// Source line of the instruction.
+    pub(super) fn line(&self) -> u32 {
+        let lines = &self.program.code.lines;
+        lines.get(self.task.pc).copied().unwrap_or(0)
+    }
+
     /// Lets instructions and globals be those of a program.
     fn switch_program(&mut self, index: usize) {
         let loaded = self.programs.get(index);

@@ -91,6 +91,11 @@ impl Address {
         }
     }
 
+    /// Its place among the variables of the programs.
+    pub(crate) fn global_index(self) -> usize {
+        self.cell as usize
+    }
+
     pub(crate) fn plus(self, cells: u32) -> Address {
         Address {
             cell: self.cell + cells,

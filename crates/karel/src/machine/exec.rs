@@ -7,7 +7,9 @@ use super::{
     Loaded, Tasks, arithmetic,
     cell::{Address, Cell, Memory},
     fault::Fault,
+    semaphore::Semaphores,
     task::Task,
+    timer::Timers,
 };
 use crate::{
     host::{Host, TaskId, Wait},
@@ -29,6 +31,8 @@ pub(super) struct Exec<'a> {
     /// All tasks but this one.
     pub(super) others: &'a mut Tasks,
     pub(super) registers: &'a mut Registers,
+    pub(super) timers: &'a mut Timers,
+    pub(super) semaphores: &'a mut Semaphores,
     pub(super) task: &'a mut Task,
     pub(super) host: &'a mut dyn Host,
     pub(super) limits: &'a Limits,
@@ -168,6 +172,13 @@ impl Exec<'_> {
     #[inline(never)]
     fn rare(&mut self, op: Rare) -> Result<(), Fault> {
         match op {
+            Rare::AddressShared(cell) => {
+                let at = self.global(cell);
+                let Cell::Address(address) = *self.memory().get(at) else {
+                    return Err(self.unresolved_variable(cell));
+                };
+                self.push(Cell::Address(address));
+            }
             Rare::NegateInteger => {
                 let value = self.pop_integer();
                 self.push(Cell::Integer(
@@ -267,6 +278,15 @@ impl Exec<'_> {
     fn store(&mut self, address: Address) {
         let value = self.pop();
         self.memory().set(address, value);
+    }
+
+    fn unresolved_variable(&self, cell: u32) -> Fault {
+        let mut shared = self.program.shared.iter();
+        let name = shared.find(|shared| shared.cell == cell).map_or_else(
+            || "variable".to_owned(),
+            |shared| format!("variable {} of a program {}", shared.name, shared.program),
+        );
+        Fault::new(Status::VARS_UNKNOWN, format!("There is no {name}"))
     }
 
     fn truncate(&mut self, length: u32) {

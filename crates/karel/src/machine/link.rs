@@ -2,7 +2,10 @@
 //!
 //! Programs may be loaded in any order, so each new one is also looked at from those that are there.
 
-use super::{LoadError, Loaded, Machine};
+use super::{
+    LoadError, Loaded, Machine,
+    cell::{Address, Cell},
+};
 use crate::{ir::External, program::Program};
 
 /// Where an external routine is.
@@ -44,6 +47,46 @@ impl Machine {
             }
         }
         Ok(links)
+    }
+
+    /// Refuses a program that shares a variable with another under two types.
+    pub(super) fn check_shared(&self, new: &Program) -> Result<(), LoadError> {
+        let loaded = || self.programs.iter().map(|loaded| &loaded.program);
+        let all = || loaded().chain(std::iter::once(new));
+        for user in all() {
+            for shared in &user.shared {
+                let mut homes = all().filter(|home| home.name() == shared.program);
+                let found = homes.find_map(|home| home.globals.get(&shared.name));
+                if found.is_some_and(|(_, ty)| *ty != shared.ty) {
+                    return Err(LoadError::Variable {
+                        user: user.name().to_owned(),
+                        variable: shared.name.clone(),
+                        program: shared.program.clone(),
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Gives the cells of shared variables their addresses, as far as their programs are loaded.
+    pub(super) fn link_variables(&mut self) {
+        let mut found = Vec::new();
+        for user in &self.programs {
+            for shared in &user.program.shared {
+                let home = self.programs.iter();
+                let mut home = home.filter(|home| home.name() == shared.program);
+                let Some(home) = home.next() else { continue };
+                if let Some((cell, _)) = home.program.globals.get(&shared.name) {
+                    found.push((user.base + shared.cell, home.base + cell));
+                }
+            }
+        }
+        for (slot, cell) in found {
+            if let Some(slot) = self.globals.get_mut(slot as usize) {
+                *slot = Cell::Address(Address::global(cell));
+            }
+        }
     }
 
     /// Routines that programs call and no program has, as `ROUTINE FROM PROGRAM, called by CALLER`.

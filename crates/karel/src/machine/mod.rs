@@ -10,15 +10,18 @@ mod operands;
 mod outward;
 mod ports;
 mod power;
+pub(crate) mod semaphore;
 mod system;
-mod task;
+pub(crate) mod task;
 mod tasks;
+mod timer;
+mod tp;
 mod transfer;
 mod variables;
 
 use crate::{
     error::{CallSite, RuntimeError},
-    host::{Host, TaskId},
+    host::{Host, TaskId, Wait},
     ir::Op,
     program::Program,
     registers::Registers,
@@ -27,6 +30,8 @@ use crate::{
 use cell::{Cell, FileCell};
 use exec::{Exec, Stop};
 use link::Link;
+use semaphore::Semaphores;
+use timer::Timers;
 
 pub(crate) use arithmetic::finite;
 use fault::Fault;
@@ -46,6 +51,8 @@ pub struct Machine {
     globals: Vec<Cell>,
     tasks: Tasks,
     registers: Registers,
+    timers: Timers,
+    semaphores: Semaphores,
 }
 
 #[derive(Debug)]
@@ -90,6 +97,16 @@ pub enum LoadError {
         /// The program that has its body.
         program: String,
     },
+    /// Two programs disagree about a variable that they share.
+    #[error("{user} declares the variable {variable} FROM {program} with another type")]
+    Variable {
+        /// The program that declares it with FROM.
+        user: String,
+        /// The variable.
+        variable: String,
+        /// The program that has it.
+        program: String,
+    },
 }
 
 /// Why a program cannot be started.
@@ -125,6 +142,8 @@ impl Machine {
             globals,
             tasks: Tasks::default(),
             registers: Registers::new(limits.registers),
+            timers: Timers::default(),
+            semaphores: Semaphores::default(),
         }
     }
 
@@ -140,6 +159,7 @@ impl Machine {
             return Err(LoadError::TooMany(self.programs.len()));
         }
         let links = self.link(&program)?;
+        self.check_shared(&program)?;
         let base = self.globals.len();
         self.globals
             .resize(base + program.global_cells as usize, Cell::Uninit);
@@ -154,6 +174,7 @@ impl Machine {
             base,
             links,
         });
+        self.link_variables();
         Ok(())
     }
 
@@ -190,6 +211,11 @@ impl Machine {
         if let Some(run) = over {
             return Slice { run, used: 0 };
         }
+        if task.paused {
+            let run = Run::Blocked(Wait::Continue);
+            return Slice { run, used: 0 };
+        }
+        self.timers.follow(host.now(), &mut self.globals);
         let loaded = self.programs.get(task.program);
         let loaded = loaded.expect("programs are never unloaded");
         if std::mem::take(&mut task.is_new) {
@@ -203,6 +229,8 @@ impl Machine {
             programs: &self.programs,
             others: &mut self.tasks,
             registers: &mut self.registers,
+            timers: &mut self.timers,
+            semaphores: &mut self.semaphores,
             task,
             host,
             limits: &self.limits,
@@ -264,6 +292,31 @@ impl Machine {
     /// disconnects them, as on a controller; what moves is the host's business.
     pub fn abort(&mut self, id: TaskId, host: &mut dyn Host) {
         let _was_alive = self.tasks.end(id, host);
+    }
+
+    /// Pauses a task: it executes nothing until [`Machine::resume`]. `false` if it is not alive or
+    /// paused already. What moves is the host's business.
+    pub fn pause(&mut self, id: TaskId) -> bool {
+        self.tasks.pause(id)
+    }
+
+    /// Lets a paused task go on. `false` if it is not paused.
+    pub fn resume(&mut self, id: TaskId) -> bool {
+        self.tasks.resume(id)
+    }
+
+    /// Whether a task is paused.
+    #[must_use]
+    pub fn is_paused(&self, id: TaskId) -> bool {
+        self.tasks.get(id).is_some_and(|task| task.paused)
+    }
+
+    /// The root program of a task.
+    #[must_use]
+    pub fn root_program(&self, id: TaskId) -> Option<&Program> {
+        let name = &self.tasks.get(id)?.name;
+        let index = self.find_program(name)?;
+        self.programs.get(index).map(|loaded| &loaded.program)
     }
 
     /// The registers.

@@ -30,6 +30,7 @@ impl Exec<'_> {
                 self.close_locals(0);
                 Ok(Flow::Ended)
             }
+            Outward::EndProgram => Ok(self.end_program()),
             Outward::Builtin(row) => self.builtin(row),
             Outward::LoadSystem(row) => self.load_system(row),
             Outward::StoreSystem(row) => self.store_system(row),
@@ -48,7 +49,18 @@ impl Exec<'_> {
             Outward::Read(row) => Ok(self.read(row)),
             Outward::Write(row) => self.write(row),
             Outward::Delay => self.delay(),
+            Outward::ConnectTimer => {
+                let at = self.pop_address();
+                self.timers.connect(at, self.host.now());
+                Ok(Flow::Next)
+            }
+            Outward::DisconnectTimer => {
+                let at = self.pop_address();
+                self.timers.disconnect(at);
+                Ok(Flow::Next)
+            }
             Outward::Move(waits) => self.move_to(waits),
+            Outward::Tp(row) => self.tp(row),
         }
     }
 
@@ -66,6 +78,8 @@ impl Exec<'_> {
             programs: self.programs,
             tasks: self.others,
             registers: self.registers,
+            semaphores: self.semaphores,
+            pending: &mut self.task.pending,
             running: Running {
                 name: &self.task.name,
                 line: program.code.lines.get(self.task.pc).copied().unwrap_or(0),

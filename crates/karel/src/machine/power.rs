@@ -82,6 +82,9 @@ impl Machine {
                 }
             }
         }
+        self.link_variables();
+        self.timers.clear();
+        self.semaphores = super::Semaphores::default();
     }
 }
 

@@ -24,6 +24,8 @@ pub(crate) struct Task {
     pub(crate) state: TaskState,
     /// It has not executed anything.
     pub(crate) is_new: bool,
+    /// It executes nothing until it is continued.
+    pub(crate) paused: bool,
 }
 
 /// What a routine returns to.
@@ -50,6 +52,8 @@ pub(crate) enum Pending {
         /// When the READ gives up.
         until: Option<Duration>,
     },
-    /// A MOVE that was started.
+    /// A motion that was started.
     Motion(MotionId),
+    /// When a built-in, or a WAIT of a TP program, gives up.
+    Deadline(Duration),
 }

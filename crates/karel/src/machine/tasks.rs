@@ -70,6 +70,7 @@ impl Tasks {
             pending: Pending::None,
             state: TaskState::Ready,
             is_new: true,
+            paused: false,
         };
         let _none = self.by_id.insert(id, task);
         Ok(id)
@@ -87,8 +88,31 @@ impl Tasks {
             let _ = host.close_file(file);
         }
         task.state = TaskState::Ended;
+        task.paused = false;
         self.changes += 1;
         true
+    }
+
+    /// Pauses a task that is alive. Whether that changed anything.
+    pub(crate) fn pause(&mut self, id: TaskId) -> bool {
+        let changed = self
+            .by_id
+            .get_mut(&id)
+            .filter(|task| is_alive(&task.state) && !task.paused)
+            .map(|task| task.paused = true);
+        self.changes += u64::from(changed.is_some());
+        changed.is_some()
+    }
+
+    /// Lets a paused task go on. Whether it was paused.
+    pub(crate) fn resume(&mut self, id: TaskId) -> bool {
+        let changed = self
+            .by_id
+            .get_mut(&id)
+            .filter(|task| task.paused)
+            .map(|task| task.paused = false);
+        self.changes += u64::from(changed.is_some());
+        changed.is_some()
     }
 
     /// Forgets every task; their numbers are not used again.

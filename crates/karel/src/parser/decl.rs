@@ -160,16 +160,19 @@ impl Parser<'_> {
             self.position += 1;
             storage = Some(self.storage()?);
         }
-        if self.at_keyword(Keyword::From) {
-            let span = self.peek().span;
-            self.reports
-                .error(span, "variables of other programs are not supported yet");
-            return Err(Reported);
+        let mut home = None;
+        if self.eat_keyword(Keyword::From) {
+            home = Some(self.expect_name("a program")?);
         }
         let _ = self.expect_symbol(Symbol::Colon)?;
         let ty = self.type_expression()?;
         self.expect_separator()?;
-        Ok(Decl::Var { names, storage, ty })
+        Ok(Decl::Var {
+            names,
+            storage,
+            home,
+            ty,
+        })
     }
 
     fn storage(&mut self) -> Parsed<Storage> {

@@ -63,7 +63,7 @@ pub(crate) fn parse(
 }
 
 /// Refuses what is no KAREL source at all, with one message instead of thousands.
-fn is_source_text(bytes: &[u8], start: usize, reports: &mut Reports) -> bool {
+pub(crate) fn is_source_text(bytes: &[u8], start: usize, reports: &mut Reports) -> bool {
     if bytes.len() > MAX_SOURCE_BYTES {
         let message = format!(
             "the file has {} bytes, a program may have at most {MAX_SOURCE_BYTES}",

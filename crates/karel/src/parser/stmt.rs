@@ -9,10 +9,8 @@ use crate::{
 /// First words of statements that are KAREL and not run yet.
 const NOT_YET: &[&str] = &[
     "ATTACH",
-    "CONNECT",
     "CONTINUE",
     "DISABLE",
-    "DISCONNECT",
     "ENABLE",
     "HOLD",
     "NOABORT",
@@ -183,6 +181,9 @@ impl Parser<'_> {
         if !is_variable && NOT_YET.contains(&name.text.as_str()) {
             return Ok(self.unsupported_line(&name.text));
         }
+        if !is_variable && matches!(name.text.as_str(), "CONNECT" | "DISCONNECT") {
+            return self.timer_statement(name.text == "CONNECT");
+        }
         if !is_variable && name.text == "GO" {
             self.position += 1;
             let _ = self.expect_keyword(Keyword::To)?;
@@ -219,6 +220,22 @@ impl Parser<'_> {
             name: path.root,
             args: Vec::new(),
         })
+    }
+
+    /// `CONNECT TIMER TO variable`, `DISCONNECT TIMER variable`.
+    fn timer_statement(&mut self, connect: bool) -> Parsed<StmtKind> {
+        self.position += 1;
+        let word = self.expect_name("TIMER")?;
+        if word.text != "TIMER" {
+            let message = format!("expected TIMER, found `{}`", word.text);
+            self.reports.error(word.span, message);
+            return Err(Reported);
+        }
+        if connect {
+            let _ = self.expect_keyword(Keyword::To)?;
+            return Ok(StmtKind::ConnectTimer(self.path()?));
+        }
+        Ok(StmtKind::DisconnectTimer(self.path()?))
     }
 
     fn return_statement(&mut self) -> Parsed<StmtKind> {

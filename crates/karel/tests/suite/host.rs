@@ -84,7 +84,7 @@ impl ScriptedHost {
         match wait {
             Wait::Until(until) => self.now = (*until).max(self.now),
             Wait::Motion(_) => self.moving = None,
-            Wait::MotionQueue | Wait::Writable(_) => return false,
+            Wait::MotionQueue | Wait::Writable(_) | Wait::Continue => return false,
             Wait::Connect(_) => match self.script.pop_front() {
                 Some(Event::Connect) => {
                     self.connected = true;

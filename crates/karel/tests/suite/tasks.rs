@@ -33,7 +33,8 @@ fn run_all(machine: &mut Machine, host: &mut ScriptedHost, fuel: u32) {
             | Wait::Writable(_)
             | Wait::Connect(_)
             | Wait::MotionQueue
-            | Wait::Motion(_) => Duration::MAX,
+            | Wait::Motion(_)
+            | Wait::Continue => Duration::MAX,
         });
         if !worked && !waits.iter().any(|wait| host.satisfy(wait)) {
             return;

@@ -8,13 +8,13 @@ use karel::Program;
 
 use crate::includes::Folder;
 
-/// Check KAREL programs without running them.
+/// Check KAREL programs and TP listings (`.ls`) without running them.
 ///
 /// Every error and warning is printed with its source line. The exit code is 0 if there is no error, 1 if there is
 /// one, 2 if a file cannot be read.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Check {
-    /// KAREL source files.
+    /// KAREL sources, or listings of TP programs.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 }
@@ -25,7 +25,7 @@ impl Check {
         for path in &self.files {
             let text =
                 std::fs::read(path).with_context(|| format!("reading {}", path.display()))?;
-            match Program::with_includes(&text, &path.display().to_string(), &Folder::of(path)) {
+            match Program::from_file(&text, &path.display().to_string(), &Folder::of(path)) {
                 Ok(program) => {
                     for warning in program.warnings() {
                         eprintln!("{warning}");

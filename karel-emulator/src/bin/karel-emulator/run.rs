@@ -104,7 +104,7 @@ impl Run {
             let name = path.display().to_string();
             let folder = Folder::of(path);
             // What is wrong with the program is reported when the controller loads it.
-            let _looked_at = Program::with_includes(&text, &name, &folder);
+            let _looked_at = Program::from_file(&text, &name, &folder);
             config.includes.extend(folder.into_taken());
             config.programs.push(ProgramSource::new(name, text));
         }

@@ -76,13 +76,14 @@ impl<C: Connector, O: MotionObserver> CommandTask<C, O> {
             Ok(sent) => self.follow(order, sent).await,
         };
         self.shared.view.send_modify(|view| view.in_flight = None);
-        match end {
-            Some(end) => self.end(order, end).await,
-            None => tracing::warn!(
+        if let Some(end) = end {
+            self.end(order, end).await;
+        } else {
+            tracing::warn!(
                 robot.id = self.shared.plan.robot,
                 motion = %order.motion,
                 "the server stops while the motion is in flight"
-            ),
+            );
         }
     }
 

@@ -76,6 +76,13 @@ pub(crate) enum LinkError {
         "the controller was started again while the motion was in flight: boot {was}, now {is}"
     )]
     Restarted { was: u32, is: u32 },
+    #[error(
+        "the controller had accepted {number}, and now says that its last command is {accepted}"
+    )]
+    Forgotten {
+        number: MotionNumber,
+        accepted: MotionNumber,
+    },
     #[error("the motion was accepted, and the arm stands still without its having finished")]
     Unfinished,
     #[error(
@@ -159,6 +166,7 @@ impl LinkError {
             | Self::StopUnconfirmed { .. }
             | Self::Lost { .. }
             | Self::Restarted { .. }
+            | Self::Forgotten { .. }
             | Self::Unfinished
             | Self::PoseMismatch { .. }
             | Self::OutputMismatch { .. }
@@ -192,6 +200,7 @@ impl LinkError {
             Self::Unconfirmed { .. }
             | Self::Lost { .. }
             | Self::Restarted { .. }
+            | Self::Forgotten { .. }
             | Self::Unfinished
             | Self::PoseMismatch { .. }
             | Self::OutputMismatch { .. }
@@ -219,7 +228,7 @@ impl LinkError {
             }
             Self::Busy => ProblemCode::ControllerBusy,
             Self::NotTaken { .. } => ProblemCode::ControllerRejected,
-            Self::RestartedBefore { .. } | Self::Restarted { .. } => {
+            Self::RestartedBefore { .. } | Self::Restarted { .. } | Self::Forgotten { .. } => {
                 ProblemCode::ControllerRestarted
             }
             Self::Unconfirmed { .. } | Self::Lost { .. } => ProblemCode::ControllerTimeout,
@@ -232,9 +241,10 @@ impl LinkError {
 
     /// What a stop that failed with this does all the same.
     pub(crate) fn stop_effect(&self) -> Option<StopEffect> {
-        match self {
-            Self::StopUnconfirmed { effect, .. } => Some(*effect),
-            _ => None,
+        if let Self::StopUnconfirmed { effect, .. } = self {
+            Some(*effect)
+        } else {
+            None
         }
     }
 

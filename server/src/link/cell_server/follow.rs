@@ -9,7 +9,7 @@ use units::{Degrees, Millimeters};
 use super::error::LinkError;
 use super::judge::{Finding, Open, Verdict, joints_apart, judge, poses_apart};
 use super::order::MotionEnd;
-use super::plan::CellServerPlan;
+use super::plan::{CellServerPlan, GIVE_UP};
 use super::view::{ControllerView, Observed};
 
 /// The least time between two status lines that are to be of the same standstill, by the server's clock.
@@ -71,7 +71,7 @@ impl<'a> Follower<'a> {
 
     /// When to look again although nothing was published.
     pub(super) fn deadline(&self) -> Option<Instant> {
-        self.lost_since.map(|since| since + self.plan.give_up())
+        self.lost_since.map(|since| since + GIVE_UP)
     }
 
     pub(super) fn look(&mut self, view: &ControllerView) -> Look {
@@ -80,11 +80,9 @@ impl<'a> Follower<'a> {
         if !view.is_connected() {
             self.settling = None;
             let since = *self.lost_since.get_or_insert(now);
-            if now.duration_since(since) >= self.plan.give_up() {
+            if now.duration_since(since) >= GIVE_UP {
                 look.end = Some(MotionEnd::InDoubt {
-                    error: LinkError::Lost {
-                        after: self.plan.give_up(),
-                    },
+                    error: LinkError::Lost { after: GIVE_UP },
                     status: None,
                 });
             }
@@ -145,7 +143,8 @@ impl<'a> Follower<'a> {
     fn needed(&self, finding: Finding) -> Duration {
         let scaled = match finding {
             Finding::NotTaken { .. } => self.plan.drain(),
-            Finding::Unfinished
+            Finding::Forgotten { .. }
+            | Finding::Unfinished
             | Finding::PoseMismatch { .. }
             | Finding::OutputMismatch { .. }
             | Finding::Restarted { .. }
@@ -158,7 +157,8 @@ impl<'a> Follower<'a> {
         let error = finding.into_error(self.open.number);
         match finding {
             Finding::NotTaken { .. } => MotionEnd::NotSent { error },
-            Finding::Unfinished
+            Finding::Forgotten { .. }
+            | Finding::Unfinished
             | Finding::PoseMismatch { .. }
             | Finding::OutputMismatch { .. }
             | Finding::Restarted { .. }
@@ -177,7 +177,10 @@ impl Settling {
         if !self.finding.same_kind(finding) {
             return false;
         }
-        if matches!(finding, Finding::NotTaken { .. }) {
+        if matches!(
+            finding,
+            Finding::NotTaken { .. } | Finding::Forgotten { .. }
+        ) {
             return true;
         }
         let (apart, turned) = poses_apart(&self.first.pose, &status.pose);

@@ -153,9 +153,10 @@ impl CellServerLink {
                 status,
             }),
             Err(source) => {
-                let effect = match source {
-                    LinkError::Unconfirmed { .. } => StopEffect::HaltsMotion,
-                    _ => StopEffect::IssuesNothingMore,
+                let effect = if matches!(source, LinkError::Unconfirmed { .. }) {
+                    StopEffect::HaltsMotion
+                } else {
+                    StopEffect::IssuesNothingMore
                 };
                 Err(LinkError::StopUnconfirmed {
                     effect,

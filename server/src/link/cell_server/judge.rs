@@ -5,7 +5,8 @@
 //! | status line | verdict |
 //! |---|---|
 //! | `acc < n`, not fenced | wait: it may still be read |
-//! | `acc < n`, fenced | not taken, if that stays so; in doubt if it was seen accepted |
+//! | `acc < n`, fenced | not taken, if that stays so |
+//! | `acc < n`, once seen accepted | in doubt, if that stays so |
 //! | `acc = fin = n`, moving | wait for the standstill |
 //! | `acc = fin = n`, status 0 | arrived, if the pose is the target's; else in doubt, if that stays so |
 //! | `acc = fin = n`, other status | interrupted |
@@ -51,6 +52,7 @@ pub(super) enum Verdict {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Finding {
     NotTaken { accepted: MotionNumber },
+    Forgotten { accepted: MotionNumber },
     Unfinished,
     PoseMismatch { apart_mm: f64, apart_deg: f64 },
     OutputMismatch { output: u8 },
@@ -67,6 +69,7 @@ impl Finding {
     pub(super) fn into_error(self, number: MotionNumber) -> LinkError {
         match self {
             Self::NotTaken { accepted } => LinkError::NotTaken { accepted },
+            Self::Forgotten { accepted } => LinkError::Forgotten { number, accepted },
             Self::Unfinished => LinkError::Unfinished,
             Self::PoseMismatch {
                 apart_mm,
@@ -94,10 +97,9 @@ pub(super) fn judge(status: &StatusLine, open: &Open, tolerance: Tolerance) -> V
     }
     if status.accepted < number {
         if accepted {
-            // What it had stored is gone: its memory was lost or restored.
-            return Verdict::Lost(Finding::Restarted {
-                was: open.boot.unwrap_or(status.boot),
-                is: status.boot,
+            // An older line that came late; or what it had stored is gone, its memory lost or restored.
+            return Verdict::Unless(Finding::Forgotten {
+                accepted: status.accepted,
             });
         }
         return if status.epoch_max > number.epoch {
@@ -131,6 +133,9 @@ pub(super) fn judge(status: &StatusLine, open: &Open, tolerance: Tolerance) -> V
     }
 }
 
+/// What the thousandths of the wire leave in a difference of two of them.
+const ROUNDING: f64 = 1e-6;
+
 fn mismatch(status: &StatusLine, command: &Command, tolerance: Tolerance) -> Option<Finding> {
     let (apart_mm, apart_deg) = match command {
         Command::Output(output) => {
@@ -146,7 +151,8 @@ fn mismatch(status: &StatusLine, command: &Command, tolerance: Tolerance) -> Opt
         }
     };
     // Written so that what cannot be compared is a mismatch.
-    let near = apart_mm <= tolerance.position && apart_deg <= tolerance.rotation;
+    let near = apart_mm <= tolerance.position + Millimeters(ROUNDING)
+        && apart_deg <= tolerance.rotation + Degrees(ROUNDING);
     (!near).then_some(Finding::PoseMismatch {
         apart_mm: apart_mm.0,
         apart_deg: apart_deg.0,

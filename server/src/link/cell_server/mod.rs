@@ -25,6 +25,7 @@ mod judge;
 mod order;
 mod plan;
 mod readiness;
+mod report;
 mod status_task;
 mod stream;
 #[cfg(test)]

@@ -9,9 +9,9 @@ const POLL: Duration = Duration::from_millis(200);
 /// Where the controller's clock is faster, polls come faster, but not without limit.
 const SHORTEST_POLL: Duration = Duration::from_millis(5);
 /// An answer later than this is late.
-const LATE: Duration = Duration::from_millis(250);
+pub(super) const LATE: Duration = Duration::from_millis(250);
 /// A controller without an answer for this long is lost: with the poll before it, less than a second.
-const LOST: Duration = Duration::from_millis(700);
+pub(super) const LOST: Duration = Duration::from_millis(700);
 /// How long a verdict must hold that a later status could change, by the controller's clock. As long as the
 /// controller's dead-man: whatever was about to begin has begun or been stopped.
 const SETTLE: Duration = Duration::from_secs(2);
@@ -19,7 +19,7 @@ const SETTLE: Duration = Duration::from_secs(2);
 /// the life of a nonce.
 const DRAIN: Duration = Duration::from_secs(1);
 /// How long a motion in flight waits for a lost controller to come back.
-const GIVE_UP: Duration = Duration::from_secs(15);
+pub(super) const GIVE_UP: Duration = Duration::from_secs(15);
 
 /// What a link to a tier-2 controller runs on.
 #[derive(Clone, Debug)]
@@ -62,23 +62,11 @@ impl CellServerPlan {
         POLL.div_f64(self.time_scale).max(SHORTEST_POLL)
     }
 
-    pub(super) fn late(&self) -> Duration {
-        LATE
-    }
-
-    pub(super) fn lost(&self) -> Duration {
-        LOST
-    }
-
     pub(super) fn settle(&self) -> Duration {
         SETTLE.div_f64(self.time_scale)
     }
 
     pub(super) fn drain(&self) -> Duration {
         DRAIN.div_f64(self.time_scale)
-    }
-
-    pub(super) fn give_up(&self) -> Duration {
-        GIVE_UP
     }
 }

@@ -12,6 +12,7 @@ use tokio_util::sync::CancellationToken;
 use super::backoff::Backoff;
 use super::error::{LinkError, ReadError, chain};
 use super::handle::Shared;
+use super::plan::{LATE, LOST};
 use super::readiness::{self, NotReady};
 use super::stream::LineStream;
 use super::view::Observed;
@@ -171,7 +172,7 @@ impl<C: Connector> StatusTask<C> {
         urgent: &mut mpsc::Receiver<Ask>,
     ) -> Ended {
         let plan = &self.shared.plan;
-        let (poll, late, lost) = (plan.poll(), plan.late(), plan.lost());
+        let (poll, late, lost) = (plan.poll(), LATE, LOST);
         let mut session = Session {
             lines: LineStream::new(stream),
             sent: VecDeque::new(),
@@ -240,17 +241,16 @@ impl<C: Connector> StatusTask<C> {
     ) -> Result<(), String> {
         let verb = match ask.wanted {
             Wanted::Verb(verb) => verb,
-            Wanted::Fence => match self.next_generation() {
-                Some(epoch) => Verb::Fence { epoch },
-                None => {
+            Wanted::Fence => {
+                let Some(epoch) = self.next_generation() else {
                     let limit = GENERATIONS;
                     let _gone = ask.answer.send(Err(LinkError::GenerationsUsedUp { limit }));
                     return Ok(());
-                }
-            },
+                };
+                Verb::Fence { epoch }
+            }
         };
-        let lost = self.shared.plan.lost();
-        session.write(verb, Some(ask.answer), lost).await
+        session.write(verb, Some(ask.answer), LOST).await
     }
 
     /// Takes a line; gives a verb to be sent because of it.
@@ -265,7 +265,7 @@ impl<C: Connector> StatusTask<C> {
         };
         let took = sent.at.elapsed();
         self.shared.plan.metrics.round_trip(took);
-        session.late = took > self.shared.plan.late();
+        session.late = took > LATE;
         let status = match reply {
             StatusReply::Status(status) => status,
             StatusReply::Malformed => {

@@ -1,0 +1,116 @@
+//! The `/POS` section: positions that were taught.
+
+use std::{collections::BTreeMap, sync::Arc};
+
+use super::{
+    Taught,
+    scan::{Scanned, Scanner},
+};
+use crate::{
+    diagnostic::Reports,
+    host::TpTarget,
+    position::{Config, JointPosition, XyzwprExt},
+    span::{Span, latin1},
+};
+
+/// Reads positions up to the end of `bytes`, which start at `start` of the file.
+pub(super) fn positions(
+    bytes: &[u8],
+    start: usize,
+    reports: &mut Reports,
+) -> BTreeMap<i32, Arc<Taught>> {
+    let mut found = BTreeMap::new();
+    let mut scanner = Scanner::new(bytes, start, reports);
+    while !scanner.at_end() {
+        let Ok(taught) = scanner.position() else {
+            break;
+        };
+        let number = taught.number;
+        if found.insert(number, Arc::new(taught)).is_some() {
+            let message = format!("P[{number}] is there twice");
+            scanner.reports.error(Span::new(start, start + 1), message);
+        }
+    }
+    found
+}
+
+impl Scanner<'_> {
+    /// `P[1:"comment"]{ GP1: UF : 0, UT : 1, CONFIG : 'N U T, 0, 0, 0', X = 1.0 mm, .. };`
+    fn position(&mut self) -> Scanned<Taught> {
+        self.expect("P")?;
+        self.expect("[")?;
+        let number = self.integer("a position's number")?;
+        let _comment = self.up_to(b']')?;
+        self.expect("{")?;
+        self.expect("GP1:")?;
+        self.expect("UF")?;
+        let frame = self.frame_number()?;
+        self.expect(",")?;
+        self.expect("UT")?;
+        let tool = self.frame_number()?;
+        let _comma = self.eat(",");
+        let target = if self.eat("CONFIG") {
+            self.expect(":")?;
+            self.expect("'")?;
+            let text = latin1(self.up_to(b'\'')?);
+            let Some(config) = Config::parse(&text) else {
+                return Err(self.wrong(0, format!("'{text}' is not a configuration")));
+            };
+            let _comma = self.eat(",");
+            let [x, y, z] = self.values(["X", "Y", "Z"], "mm")?;
+            let [w, p, r] = self.values(["W", "P", "R"], "deg")?;
+            TpTarget::Cartesian(XyzwprExt {
+                x,
+                y,
+                z,
+                w,
+                p,
+                r,
+                config,
+                ext: [0.0; 3],
+            })
+        } else {
+            let axes = self.values(["J1", "J2", "J3", "J4", "J5", "J6"], "deg")?;
+            TpTarget::Joints(JointPosition {
+                axes: axes.to_vec(),
+            })
+        };
+        if self.sees("GP") || self.sees("E1") {
+            return Err(self.unsupported("a position with more axes or groups"));
+        }
+        self.expect("}")?;
+        self.expect(";")?;
+        Ok(Taught {
+            number,
+            frame,
+            tool,
+            target,
+        })
+    }
+
+    /// `: 3`, or `: F` for whatever is active.
+    fn frame_number(&mut self) -> Scanned<Option<i32>> {
+        self.expect(":")?;
+        if self.eat_word("F") {
+            return Ok(None);
+        }
+        self.integer("a frame's number").map(Some)
+    }
+
+    /// `X = 600.000 mm, Y = ..`.
+    fn values<const N: usize>(&mut self, names: [&str; N], unit: &str) -> Scanned<[f32; N]> {
+        let mut values = [0.0; N];
+        for (name, value) in names.into_iter().zip(&mut values) {
+            self.expect(name)?;
+            self.expect("=")?;
+            let text = self.number("a number")?;
+            *value = match text.parse::<f32>() {
+                Ok(number) if number.is_finite() => number,
+                Ok(_) | Err(_) => return Err(self.wrong(0, format!("`{text}` is not a number"))),
+            };
+            self.expect(unit)?;
+            let _comma = self.eat(",");
+        }
+        Ok(values)
+    }
+}

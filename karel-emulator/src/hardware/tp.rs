@@ -1,0 +1,231 @@
+//! Motions of TP programs, and holding what moves.
+
+use karel::{
+    Interpolation, MotionId, Number, Position, Progress, Registers, Status, TaskId, TpMotion,
+    TpSpeed, TpTarget, Wait,
+};
+
+use super::{Hardware, MotionTag};
+use crate::ledger::{CommandId, LedgerEvent, MotionKind, PoseMmDeg};
+use crate::motion::path::SPEED_LIMIT;
+use crate::motion::planner::{pendant_joints, pose_of_target};
+use crate::motion::{Path, Refusal};
+
+/// PROG-040: another task moves the motion group.
+///
+/// ASSUMPTION: the number is from memory of error lists.
+const PROG_LOCKED: Status = Status::new(3, 40);
+/// INTP-215: a speed that cannot be.
+///
+/// ASSUMPTION: the number is ours.
+const INTP_SPEED: Status = Status::new(12, 215);
+
+impl Hardware {
+    /// Queues a motion of a TP program, or says what to wait for, or refuses it.
+    pub(super) fn queue_tp_motion(
+        &mut self,
+        task: TaskId,
+        motion: &TpMotion,
+        registers: &Registers,
+    ) -> Progress<Result<MotionId, Status>> {
+        if !self.executor.has_room() {
+            return Progress::Pending(Wait::MotionQueue);
+        }
+        self.last_motion += 1;
+        let (kind, speed_mm_s, speed_percent) = speed_of(motion);
+        let tag = MotionTag {
+            id: MotionId(self.last_motion),
+            task,
+            kind,
+            target: self.tp_target_pose(&motion.target),
+            speed_mm_s,
+            speed_percent,
+            command: self.command_of(registers),
+            program: motion.program.clone(),
+            line: motion.line,
+            origin: self.origins.get(&task).cloned().unwrap_or_default(),
+        };
+        let planned = self
+            .may_move()
+            .and_then(|()| self.group_is_free(task))
+            .and_then(|()| self.tp_path(motion));
+        Progress::Ready(self.take_planned(task, &tag, planned))
+    }
+
+    /// Pauses what a task moves; the arm brakes on its path.
+    pub(super) fn hold_motions_of(&mut self, task: TaskId) {
+        let mine = self
+            .executor
+            .current()
+            .is_some_and(|motion| motion.tag.task == task);
+        if mine {
+            self.executor.hold(self.now, false);
+            self.note_holds();
+        }
+    }
+
+    /// Lets the held motion of a task go on, unless the operator holds everything.
+    pub(super) fn continue_motions_of(&mut self, task: TaskId) {
+        let mine = self
+            .executor
+            .current()
+            .is_some_and(|motion| motion.tag.task == task);
+        if mine && !self.operator.hold {
+            self.resume_arm();
+        }
+    }
+
+    /// What was held goes on.
+    pub(crate) fn resume_arm(&mut self) {
+        let resumed = self.executor.resume(self.now).cloned();
+        if let Some(tag) = resumed {
+            self.note_pause(LedgerEvent::Resumed, &tag);
+        }
+    }
+
+    /// The arm has come to rest where it was held.
+    pub(super) fn note_holds(&mut self) {
+        while let Some((tag, stays)) = self.executor.hold_due(self.now) {
+            let event = if stays {
+                LedgerEvent::Held
+            } else {
+                LedgerEvent::Resumed
+            };
+            let tag = tag.clone();
+            self.note_pause(event, &tag);
+        }
+    }
+
+    fn note_pause(&mut self, event: LedgerEvent, tag: &MotionTag) {
+        let joints = self.executor.joints(self.now);
+        let entry = self.entry(event, tag, &joints);
+        self.ledger.push(entry);
+    }
+
+    /// The frames that are selected for TP programs.
+    pub(crate) fn tp_frames(&self) -> Result<(Position, Position), Refusal> {
+        let selected = |number: &str, frame: &str| {
+            let unreadable = |status| Refusal::new(status, format!("{number} has no value"));
+            match self.variables.integer(number).map_err(unreadable)? {
+                // Number 0 is the world, or the flange.
+                0 => Ok(Position::default()),
+                n => {
+                    let name = format!("{frame}[1,{n}]");
+                    let found = self.variables.position(&name);
+                    found.map_err(|status| Refusal::new(status, format!("{name} has no value")))
+                }
+            }
+        };
+        Ok((
+            selected("$MNUFRAMENUM[1]", "$MNUFRAME")?,
+            selected("$MNUTOOLNUM[1]", "$MNUTOOL")?,
+        ))
+    }
+
+    /// Which command the program carries out, if the configuration says where it notes that.
+    fn command_of(&self, registers: &Registers) -> Option<CommandId> {
+        let (epoch, seq) = self.command_registers?;
+        let number = |n: u16| match registers.number(n.into()) {
+            Ok(Number::Integer(value)) => u32::try_from(value).ok(),
+            Ok(Number::Real(_)) | Err(_) => None,
+        };
+        Some(CommandId {
+            epoch: number(epoch)?,
+            seq: number(seq)?,
+        })
+    }
+
+    fn group_is_free(&self, task: TaskId) -> Result<(), Refusal> {
+        let other = self
+            .executor
+            .current()
+            .filter(|motion| motion.tag.task != task);
+        match other {
+            None => Ok(()),
+            Some(motion) => {
+                let text = format!("The program {} moves the arm", motion.tag.program);
+                Err(Refusal::new(PROG_LOCKED, text))
+            }
+        }
+    }
+
+    fn tp_path(&self, motion: &TpMotion) -> Result<Path, Refusal> {
+        let acceleration = f64::from(motion.acceleration_percent) / 100.0;
+        let refused = |text: String| Err(Refusal::new(INTP_SPEED, text));
+        // NaN fails every comparison.
+        if !(acceleration > 0.0 && acceleration <= 1.5) {
+            let percent = motion.acceleration_percent;
+            return refused(format!(
+                "ACC is {percent}, it must be above 0 and at most 150"
+            ));
+        }
+        let (frame, tool) = self.tp_frames()?;
+        let from = self.executor.tail();
+        match (motion.interpolation, motion.speed) {
+            (Interpolation::Joint, TpSpeed::Percent(percent)) => {
+                if !(percent > 0.0 && percent <= 100.0) {
+                    return refused(format!(
+                        "The speed is {percent} %, it must be above 0 and at most 100"
+                    ));
+                }
+                let to = match &motion.target {
+                    TpTarget::Cartesian(position) => {
+                        self.planner.joints(position, &frame, &tool)?
+                    }
+                    TpTarget::Joints(joints) => {
+                        self.planner.within_limits(joints)?;
+                        pendant_joints(joints)?
+                    }
+                };
+                let part = f64::from(percent) / 100.0;
+                let model = self.planner.model();
+                Ok(Path::joint_at(model, from, to, part, acceleration))
+            }
+            (Interpolation::Linear, TpSpeed::MmPerSec(speed)) => {
+                let limit = SPEED_LIMIT.0;
+                let speed = f64::from(speed);
+                if !(speed > 0.0 && speed <= limit) {
+                    return refused(format!(
+                        "The speed is {speed} mm/s, it must be above 0 and at most {limit}"
+                    ));
+                }
+                let frames = (&frame, &tool);
+                self.planner
+                    .linear(from, &motion.target, frames, (speed, acceleration))
+            }
+            (Interpolation::Joint, TpSpeed::MmPerSec(_))
+            | (Interpolation::Linear, TpSpeed::Percent(_)) => {
+                refused("The unit of the speed does not fit the motion".to_owned())
+            }
+        }
+    }
+
+    fn tp_target_pose(&self, target: &TpTarget) -> PoseMmDeg {
+        match target {
+            TpTarget::Cartesian(position) => pose_of_target(position),
+            TpTarget::Joints(joints) => {
+                let joints = pendant_joints(joints).ok();
+                let frames = self.tp_frames().ok();
+                let pose = joints
+                    .zip(frames)
+                    .and_then(|(joints, (frame, tool))| self.planner.pose(&joints, &frame, &tool));
+                pose.unwrap_or_default()
+            }
+        }
+    }
+}
+
+/// Kind, speed in mm/s, and speed in percent if it is one. A percentage stands for that part of `$SPEEDLIM`.
+fn speed_of(motion: &TpMotion) -> (MotionKind, f64, Option<f64>) {
+    let kind = match motion.interpolation {
+        Interpolation::Joint => MotionKind::Joint,
+        Interpolation::Linear => MotionKind::Linear,
+    };
+    match motion.speed {
+        TpSpeed::MmPerSec(speed) => (kind, f64::from(speed), None),
+        TpSpeed::Percent(percent) => {
+            let percent = f64::from(percent);
+            (kind, percent / 100.0 * SPEED_LIMIT.0, Some(percent))
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! A straight line of the tool center point, checked along the whole way before the arm moves.
+
+use karel::Status;
+use kinematics::{ArmModel, Axis, Configuration, Frames, IkError, PendantJoints, Pose, Seed};
+
+use super::path::{INTERPOLATION_PERIOD_S, Path};
+use super::planner::{Refusal, ik_refusal};
+
+/// Acceleration of the tool center point, mm/s².
+///
+/// ASSUMPTION: this and the next two are of the size that arms of this class have; no document gives them.
+const ACCELERATION: f64 = 3000.0;
+/// Greatest speed of a change of orientation, deg/s.
+const ROTATION_SPEED: f64 = 180.0;
+/// Acceleration of a change of orientation, deg/s².
+const ROTATION_ACCELERATION: f64 = 720.0;
+
+/// Samples of a way: one each interpolation period, inside of these bounds.
+const FEWEST_SAMPLES: f64 = 16.0;
+const MOST_SAMPLES: f64 = 4000.0;
+
+/// MOTN-023: the way runs through a singularity.
+///
+/// ASSUMPTION: this number and the next two are from memory of error lists.
+const MOTN_SINGULARITY: Status = Status::new(15, 23);
+/// MOTN-063: a joint would have to be faster than it can.
+const MOTN_JOINT_SPEED: Status = Status::new(15, 63);
+/// MOTN-079: the target is in another configuration than the start.
+const MOTN_CONFIGURATION: Status = Status::new(15, 79);
+
+/// Where a straight line ends.
+#[derive(Clone, Copy, Debug)]
+pub struct LinearTarget {
+    /// The tool center point in the user frame.
+    pub tcp: Pose,
+    /// The configuration that the target names; its turns do not matter.
+    pub configuration: Configuration,
+}
+
+/// The straight way of the tool center point from `from` to `target` at `speed_mm_s`; the orientation changes by the
+/// one shortest rotation. Accelerations are multiplied by `acceleration`.
+///
+/// ASSUMPTION: a controller notices some of what is refused here only on the way; this one never starts.
+///
+/// # Errors
+/// Another configuration at the target than at the start, a place on the way that is not reachable, beyond a joint
+/// limit, or singular, or where a joint would have to be faster than it can.
+pub fn plan(
+    model: &ArmModel,
+    frames: &Frames,
+    from: PendantJoints,
+    target: &LinearTarget,
+    (speed_mm_s, acceleration): (f64, f64),
+) -> Result<Path, Refusal> {
+    let branch = model.configuration(&from);
+    if !branch.same_branch(target.configuration) {
+        let text = format!(
+            "the target is in the configuration {}, a straight line keeps that of the start, {branch}",
+            target.configuration
+        );
+        return Err(Refusal::new(MOTN_CONFIGURATION, text));
+    }
+    let start = frames.tcp_in_user_frame(&model.forward(&from));
+    let (length, angle) = start.distance_to(&target.tcp);
+    let (length, angle) = (length.0, angle.0.to_degrees());
+    let limit = |straight: f64, turning: f64| (straight / length).min(turning / angle);
+    let rate = limit(speed_mm_s, ROTATION_SPEED);
+    let slope = limit(
+        ACCELERATION * acceleration,
+        ROTATION_ACCELERATION * acceleration,
+    );
+    if !rate.is_finite() || !slope.is_finite() {
+        // Neither length nor angle: the arm is there.
+        return Ok(Path::joint_at(model, from, from, 1.0, 1.0));
+    }
+    let steps = (1.0 / (rate * INTERPOLATION_PERIOD_S))
+        .clamp(FEWEST_SAMPLES, MOST_SAMPLES)
+        .ceil();
+    let way = Way {
+        model,
+        frames,
+        start,
+        end: target.tcp,
+        branch,
+    };
+    let mut samples = vec![from];
+    let mut before = from;
+    let mut step = 1.0;
+    while step <= steps {
+        let joints = way.at(step / steps, &before)?;
+        let middle = (step - 0.5) / steps;
+        // What the profile allows here: less near the ends.
+        let here = rate
+            .min((2.0 * slope * middle).sqrt())
+            .min((2.0 * slope * (1.0 - middle)).sqrt());
+        check_speeds(model, &before, &joints, steps * here)?;
+        samples.push(joints);
+        before = joints;
+        step += 1.0;
+    }
+    Path::sampled(samples, (rate, slope))
+        .ok_or_else(|| Refusal::new(Status::MOTN_UNREACHABLE, "the way has no length"))
+}
+
+struct Way<'a> {
+    model: &'a ArmModel,
+    frames: &'a Frames,
+    start: Pose,
+    end: Pose,
+    branch: Configuration,
+}
+
+impl Way<'_> {
+    /// The joints at this share of the way, near those before it.
+    fn at(&self, share: f64, before: &PendantJoints) -> Result<PendantJoints, Refusal> {
+        let (start, end) = (self.start.isometry(), self.end.isometry());
+        let ambiguous = || {
+            let text =
+                "the orientation changes by half a turn, so the shortest rotation is not one";
+            Refusal::new(Status::MOTN_UNREACHABLE, text)
+        };
+        let tcp = start
+            .try_lerp_slerp(end, share, 1e-9)
+            .ok_or_else(ambiguous)?;
+        let tcp = Pose::try_from_isometry(tcp)
+            .map_err(|error| Refusal::new(Status::MOTN_UNREACHABLE, error.to_string()))?;
+        let flange = self.frames.flange_in_world(&tcp);
+        let solution = self
+            .model
+            .inverse(&flange, Seed::Near(*before))
+            .map_err(|error| on_the_way(share, &error))?;
+        let joints = solution.joints;
+        self.model.check_limits(&joints).map_err(|violations| {
+            let text = format!("Limit error at {} of the way: {violations}", percent(share));
+            Refusal::new(Status::MOTN_LIMIT, text)
+        })?;
+        if !solution.configuration.same_branch(self.branch) {
+            let (kind, _) = self.model.singularity(&joints).nearest();
+            let text = format!(
+                "Singularity ({kind}) at {} of the way: the configuration would change from {} to {}",
+                percent(share),
+                self.branch,
+                solution.configuration
+            );
+            return Err(Refusal::new(MOTN_SINGULARITY, text));
+        }
+        Ok(joints)
+    }
+}
+
+/// `per_second`: how many steps like this one the arm makes in a second.
+fn check_speeds(
+    model: &ArmModel,
+    before: &PendantJoints,
+    after: &PendantJoints,
+    per_second: f64,
+) -> Result<(), Refusal> {
+    for axis in Axis::ALL {
+        let speed = (after.of(axis).0 - before.of(axis).0).abs() * per_second;
+        let limit = model.max_speed(axis).0;
+        if speed > limit * (1.0 + 1e-6) {
+            let (kind, measure) = model.singularity(after).nearest();
+            let text = format!(
+                "Joint speed: {axis} would turn with {speed:.1} deg/s, its limit is {limit:.1} deg/s \
+                 (nearest singularity: {kind}, {measure:.3})"
+            );
+            return Err(Refusal::new(MOTN_JOINT_SPEED, text));
+        }
+    }
+    Ok(())
+}
+
+fn on_the_way(share: f64, error: &IkError) -> Refusal {
+    let Refusal { status, text } = ik_refusal(error);
+    Refusal::new(status, format!("{text} (at {} of the way)", percent(share)))
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.1} %", share * 100.0)
+}
