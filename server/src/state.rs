@@ -160,8 +160,8 @@ impl App {
                 )),
             };
             Arc::new(Robot {
-                link,
                 plan,
+                link,
                 motions,
                 metrics,
             })

@@ -50,6 +50,18 @@ impl TestServer {
         robot: RobotSection,
         connector: C,
     ) -> anyhow::Result<Self> {
+        Self::with_journal(robot, connector, SharedJournal::volatile()).await
+    }
+
+    /// As [`TestServer::with_connector`], on what a journal has.
+    ///
+    /// # Errors
+    /// If the configuration does not hold, or no port can be opened.
+    pub async fn with_journal<C: Connector>(
+        robot: RobotSection,
+        connector: C,
+        journal: SharedJournal,
+    ) -> anyhow::Result<Self> {
         let cell = CellSection {
             id: CELL.to_owned(),
             name: None,
@@ -68,7 +80,7 @@ impl TestServer {
         let seams = Seams {
             connector,
             clock: Arc::new(SystemClock),
-            journal: SharedJournal::volatile(),
+            journal,
         };
         let task = tokio::spawn(server::run(listener, plan, seams, stop.clone()));
         let client = Client::new(&format!("http://{address}"))?;

@@ -4,6 +4,7 @@ mod cellctl_access;
 mod cellctl_answers;
 mod cellctl_emulator;
 mod cellctl_failures;
+mod cellctl_journal;
 mod cellctl_usage;
 mod fake;
 mod library;

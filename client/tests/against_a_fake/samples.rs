@@ -90,6 +90,7 @@ pub(crate) fn description() -> Value {
         "joints": [{"joint": "J1", "min_deg": -170.0, "max_deg": 170.0, "max_speed_deg_s": 195.0}],
         "reach_mm": 1811.0, "home": joints(), "configuration": "N U T, 0, 0, 0",
         "tool": pose(), "user_frame": pose(), "max_speed_mm_s": 1999.0,
+        "capabilities": api::Tier::Seed.capabilities(),
     })
 }
 

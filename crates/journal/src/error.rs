@@ -84,7 +84,7 @@ impl AppendError {
             Some(sqlx::Error::Io(error)) => full(error),
             Some(error) => error
                 .as_database_error()
-                .and_then(|error| error.code())
+                .and_then(sqlx::error::DatabaseError::code)
                 // SQLITE_FULL.
                 .is_some_and(|code| code == "13"),
             None => false,

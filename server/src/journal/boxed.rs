@@ -13,12 +13,14 @@ type Boxed<'a, T> = Pin<Box<dyn Future<Output = T> + Send + 'a>>;
 macro_rules! any_journal {
     ($($name:ident($($argument:ident: $type:ty),*) -> $output:ty;)*) => {
         /// [`Journal`], as an object.
+        #[expect(clippy::elidable_lifetime_names, reason = "the methods that borrow an argument need the name")]
         pub(super) trait AnyJournal: Send + Sync {
             fn epoch(&self) -> Epoch;
             fn head(&self) -> Head;
             $(fn $name<'a>(&'a self, $($argument: $type),*) -> Boxed<'a, $output>;)*
         }
 
+        #[expect(clippy::elidable_lifetime_names, reason = "the methods that borrow an argument need the name")]
         impl<J: Journal> AnyJournal for J {
             fn epoch(&self) -> Epoch {
                 Journal::epoch(self)

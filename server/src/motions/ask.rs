@@ -5,8 +5,8 @@ use std::time::Duration;
 use api::{MotionBody, MotionType, ProblemCode, TargetBody, Violation};
 use kinematics::{Axis, PendantJoints, Pose, Seed, Xyzwpr};
 
-use super::intent::{degrees, mdeg};
-use super::record::{apart, point_of_thousandths};
+use super::intent::mdeg;
+use super::record::{apart, point_of_thousandths, rounded};
 use super::{Asked, Speed};
 use crate::config::RobotPlan;
 use crate::link::cell_server::CellServerLink;
@@ -81,7 +81,7 @@ pub(crate) fn resolve(
             motion_type: body.motion_type,
             point,
             speed,
-            joints: solution.joints,
+            joints: rounded(&solution.joints),
             to_joints: false,
             output: None,
             from: None,
@@ -135,7 +135,7 @@ fn to_joints(
 ) -> Result<Asked, Refusal> {
     let _legal = joints_of(asked)?;
     // What is checked is what the wire carries.
-    let joints = PendantJoints::from_degrees(asked.map(|value| degrees(mdeg(value))));
+    let joints = rounded(&PendantJoints::from_degrees(asked));
     plan.model
         .check_limits(&joints)
         .map_err(Refusal::JointLimits)?;

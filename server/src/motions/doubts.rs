@@ -143,10 +143,12 @@ impl Motions {
         let Some(taken) = story.and_then(|story| story.decision) else {
             return Err(RespondError::NotInDoubt);
         };
-        match &taken.record {
-            Entry::Decision(known) if known.decision.0 == decision => Ok(Responded::Before),
-            _ => Err(RespondError::Answered(intent::decision_of(&taken))),
+        if let Entry::Decision(known) = &taken.record
+            && known.decision.0 == decision
+        {
+            return Ok(Responded::Before);
         }
+        Err(RespondError::Answered(intent::decision_of(&taken)))
     }
 
     /// Writes and shows the end that follows from a decision. Doing it twice changes nothing.
@@ -272,8 +274,9 @@ pub(crate) fn intervention(plan: &RobotPlan, record: &Record) -> Option<Interven
 }
 
 fn opened_at(record: &Record) -> Timestamp {
-    match &record.progress {
-        Progress::Ended { at, .. } => *at,
-        _ => record.created_at,
+    if let Progress::Ended { at, .. } = &record.progress {
+        *at
+    } else {
+        record.created_at
     }
 }

@@ -128,13 +128,12 @@ impl Motions {
             return Ok(Some(record));
         }
         let story = self.journal.motion(journal::MotionId(id)).await?;
-        Ok(story.and_then(|story| match &story.intent.record {
-            journal::Record::Intent(of)
-                if of.cell == self.plan.cell && of.robot == self.plan.id =>
-            {
-                intent::restored(&story)
-            }
-            _ => None,
+        Ok(story.and_then(|story| {
+            let journal::Record::Intent(of) = &story.intent.record else {
+                return None;
+            };
+            let is_ours = of.cell == self.plan.cell && of.robot == self.plan.id;
+            is_ours.then(|| intent::restored(&story)).flatten()
         }))
     }
 }

@@ -61,15 +61,6 @@ impl Motions {
     }
 }
 
-/// The record of an acceptance that is the last word.
-pub(super) fn accepted(id: Uuid) -> Entry {
-    Entry::Accepted(journal::Accepted {
-        motion: MotionId(id),
-        text: protocol::Reply::Accepted.text().to_owned(),
-        completion: Completion::NotObservable,
-    })
-}
-
 /// The record of an acceptance whose end will be known.
 pub(super) fn taken(id: Uuid) -> Entry {
     Entry::Accepted(journal::Accepted {
@@ -80,14 +71,16 @@ pub(super) fn taken(id: Uuid) -> Entry {
 }
 
 /// The record of an end.
-pub(super) fn outcome(id: Uuid, end: &End) -> Entry {
+pub(super) fn ended(id: Uuid, end: &End) -> Entry {
     let end = match end {
-        // A motion that was taken and whose end nobody sees has no outcome; this is for a defect only.
-        End::Accepted => journal::End::InDoubt {
-            code: ProblemCode::Internal.as_str().to_owned(),
-            text: None,
-            seen: None,
-        },
+        // The acceptance is the last word.
+        End::Accepted => {
+            return Entry::Accepted(journal::Accepted {
+                motion: MotionId(id),
+                text: protocol::Reply::Accepted.text().to_owned(),
+                completion: Completion::NotObservable,
+            });
+        }
         End::Succeeded { seen: Some(seen) } => journal::End::Done {
             evidence: Arrival::Observed((**seen).clone()),
         },

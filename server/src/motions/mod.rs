@@ -228,10 +228,12 @@ impl Motions {
                 "the end of a motion could not be kept"
             );
         }
-        let _shown = self.book.update(id, |progress| match progress {
-            // A motion taken back while it waited for the journal.
-            Progress::Ended { .. } => None,
-            _ => Some(Progress::Ended { at, end }),
+        // Not over another end: a motion may have been taken back while this one waited for the journal.
+        let _shown = self.book.update(id, |progress| {
+            progress
+                .end()
+                .is_none()
+                .then_some(Progress::Ended { at, end })
         });
         at
     }
@@ -240,23 +242,20 @@ impl Motions {
         let Some(in_journal) = self.book.look(id, |record| record.in_journal) else {
             return Ok(());
         };
-        let record = match end {
-            End::InDoubt { .. } if !in_journal => {
-                // Somebody has to decide about it, and a decision needs what it is about.
-                let Some(record) = self.book.get(id) else {
-                    return Ok(());
-                };
-                let mut door = self.door.lock().await;
-                door.number += 1;
-                let intent = self.intent(id, &record.entry(), &door, None);
-                let _begun = self.journal.begin_motion(at, intent).await?;
-                intent::outcome(id, end)
+        if !in_journal {
+            if !matches!(end, End::InDoubt { .. }) {
+                return Ok(());
             }
-            _ if !in_journal => return Ok(()),
-            End::Accepted => intent::accepted(id),
-            _ => intent::outcome(id, end),
-        };
-        let _kept = self.journal.append(at, record).await?;
+            // Somebody has to decide about it, and a decision needs what it is about.
+            let Some(record) = self.book.get(id) else {
+                return Ok(());
+            };
+            let mut door = self.door.lock().await;
+            door.number += 1;
+            let intent = self.intent(id, &record.entry(), &door, None);
+            let _begun = self.journal.begin_motion(at, intent).await?;
+        }
+        let _kept = self.journal.append(at, intent::ended(id, end)).await?;
         Ok(())
     }
 

@@ -106,7 +106,7 @@ impl Robot {
         };
         let motion = permit.motion();
         self.motions.heed_stop(motion, numbered.stops);
-        let submitted = submit(link, permit, &door, command, numbered.begin_by, request_id);
+        let submitted = submit(link, &permit, &door, command, numbered.begin_by, request_id);
         if submitted.is_err() {
             // There was room a moment ago, and only the door fills it: the server is stopping.
             let end = End::NotExecuted {
@@ -121,10 +121,10 @@ impl Robot {
     }
 }
 
-/// Gives a link what the journal has: the permit is used up.
+/// Gives a link what the journal has: there is no permit without a durable intent, and it goes no further than here.
 fn submit(
     link: &CellServerLink,
-    permit: Permit,
+    permit: &Permit,
     door: &Door,
     command: Command,
     not_after: Instant,

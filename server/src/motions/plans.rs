@@ -12,7 +12,7 @@ use super::Asked;
 use crate::target::Prepared;
 
 /// How long a plan is kept.
-pub(crate) const KEPT: Duration = Duration::from_secs(60);
+pub(crate) const KEPT: Duration = Duration::from_mins(1);
 /// How many plans a robot keeps.
 const CAPACITY: usize = 64;
 
@@ -45,7 +45,7 @@ impl Plans {
         let now = Instant::now();
         plans.retain(|known| known.expires > now);
         if plans.len() >= CAPACITY {
-            drop(plans.pop_front());
+            let _oldest = plans.pop_front();
         }
         plans.push_back(plan);
     }

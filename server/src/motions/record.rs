@@ -13,6 +13,7 @@ use units::{Degrees, Millimeters};
 use uuid::Uuid;
 
 use super::book::Entry;
+use super::intent::{degrees, mdeg};
 use crate::config::RobotPlan;
 use crate::request_id::RequestId;
 use crate::target::Prepared;
@@ -108,12 +109,17 @@ impl Asked {
             motion_type: prepared.motion_type,
             point: prepared.wire.thousandths(),
             speed: Speed::MmPerSec(prepared.wire.speed()),
-            joints: prepared.joints,
+            joints: rounded(&prepared.joints),
             to_joints: false,
             output: None,
             from: None,
         }
     }
+}
+
+/// Joints as the journal keeps them, so that a motion shows the same before and after a restart.
+pub(crate) fn rounded(joints: &PendantJoints) -> PendantJoints {
+    PendantJoints::from_degrees(joints.degrees().map(|value| degrees(mdeg(value))))
 }
 
 /// The point the thousandths stand for.

@@ -190,7 +190,7 @@ fn check_target(body: &MotionBody, violations: &mut Vec<Violation>) {
             violations.push(violation(
                 "relative_to",
                 "only a RELATIVE motion counts from something",
-            ))
+            ));
         }
         (MotionType::Relative, Some(_))
         | (

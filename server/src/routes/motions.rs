@@ -66,7 +66,6 @@ const PREFERENCE_APPLIED: HeaderName = HeaderName::from_static("preference-appli
             body = api::Problem, content_type = "application/problem+json"),
         (status = 422, description = "`validation`: the body does not fit. `out-of-workspace`, `joint-limit-exceeded`, `no-solution-in-configuration`, `singularity`: the arm cannot do it. `idempotency-mismatch`: the key was used for something else. Nothing was sent.",
             body = api::Problem, content_type = "application/problem+json"),
-        (status = 507, description = "`journal-full`: the intent could not be kept, so nothing was sent.", body = api::Problem, content_type = "application/problem+json"),
         ControlProblem, CrossSite, NotFound, BodyProblem, LinkProblem, AnyProblem,
     ),
 )]

@@ -70,13 +70,16 @@ pub(crate) enum LinkProblem {
     /// `controller-protocol`: the controller's answer is not understood; the motion is in doubt.
     #[response(status = 502, content_type = "application/problem+json")]
     Protocol(Problem),
-    /// `controller-busy`, `controller-disconnected` or `shutting-down`: not sent.
+    /// `controller-busy`, `controller-disconnected`, `journal-unavailable` or `shutting-down`: not sent.
     #[response(
         status = 503,
         content_type = "application/problem+json",
         headers(("retry-after" = u32, description = "Seconds after which to try again."))
     )]
     Unavailable(Problem),
+    /// `journal-full`: the intent could not be kept, so nothing was sent.
+    #[response(status = 507, content_type = "application/problem+json")]
+    Full(Problem),
     /// `controller-timeout`: no answer in time; the motion is in doubt.
     #[response(status = 504, content_type = "application/problem+json")]
     Timeout(Problem),

@@ -251,8 +251,14 @@ async fn a_server_that_cannot_accept_for_a_while_goes_on_afterwards() {
         id: "c1".to_owned(),
         name: None,
         robots: vec![robot_section(robot.address)],
+        setup: None,
+        push_urls: std::collections::BTreeMap::new(),
     };
-    let plan = Plan::try_new(&ServerSection::default(), &[cell]).unwrap();
+    let section = ServerSection {
+        demo: true,
+        ..ServerSection::default()
+    };
+    let plan = Plan::try_new(&section, &[cell]).unwrap();
     let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
     let address = listener.local_addr().unwrap();
     let listener = Exhausted {
@@ -266,10 +272,6 @@ async fn a_server_that_cannot_accept_for_a_while_goes_on_afterwards() {
         journal: SharedJournal::volatile(),
     };
     let task = tokio::spawn(server::run(listener, plan, seams, stop.clone()));
-    let server = TestServer {
-        address,
-        stop,
-        task,
-    };
+    let server = TestServer::running(address, stop, task);
     serves_others(&server).await;
 }

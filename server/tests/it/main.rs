@@ -15,6 +15,8 @@ mod deltas;
 mod document;
 mod health;
 mod identity;
+mod kept_motions;
+mod keys;
 mod kinematics;
 mod legacy_moves;
 mod link_failures;

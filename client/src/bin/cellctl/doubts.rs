@@ -1,5 +1,7 @@
 //! `cellctl doubts`: what only a person can decide.
 
+use std::fmt::Write as _;
+
 use api::{Intervention, InterventionList, RespondBody};
 use clap::builder::NonEmptyStringValueParser;
 use clap::{Args, Subcommand, ValueEnum};
@@ -93,7 +95,8 @@ fn sentences(list: &InterventionList) -> String {
         text.push_str(&facts(one));
         for allowed in &one.allowed {
             let answer = allowed.answer.replace('_', "-");
-            text.push_str(&format!("  {answer}: {}\n", allowed.consequence));
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "  {answer}: {}", allowed.consequence);
         }
         text.push('\n');
     }

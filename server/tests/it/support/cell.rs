@@ -38,10 +38,33 @@ impl TestServer {
         Self::with(ServerSection::default(), robot, TcpConnector::default()).await
     }
 
+    /// With a journal that a later server may open again.
+    pub(crate) async fn with_journal(robot: RobotSection, journal: SharedJournal) -> Self {
+        let seams = Seams {
+            connector: TcpConnector::default(),
+            clock: Arc::new(SystemClock),
+            journal,
+        };
+        Self::with_seams(ServerSection::default(), robot, seams).await
+    }
+
     pub(crate) async fn with<C: Connector>(
         section: ServerSection,
         robot: RobotSection,
         connector: C,
+    ) -> Self {
+        let seams = Seams {
+            connector,
+            clock: Arc::new(SystemClock),
+            journal: SharedJournal::volatile(),
+        };
+        Self::with_seams(section, robot, seams).await
+    }
+
+    pub(crate) async fn with_seams<C: Connector>(
+        section: ServerSection,
+        robot: RobotSection,
+        seams: Seams<C>,
     ) -> Self {
         let cell = CellSection {
             id: "c1".to_owned(),
@@ -54,7 +77,7 @@ impl TestServer {
             demo: true,
             ..section
         };
-        Self::of(Plan::try_new(&section, &[cell]).unwrap(), connector).await
+        Self::of(Plan::try_new(&section, &[cell]).unwrap(), seams).await
     }
 
     /// A server that asks callers for tokens.
@@ -76,19 +99,28 @@ impl TestServer {
         };
         let plan = Plan::try_new(&section, &[cell, other]).unwrap();
         let plan = plan.with_identity(identity).unwrap();
-        Self::of(plan, TcpConnector::default()).await
-    }
-
-    async fn of<C: Connector>(plan: Plan, connector: C) -> Self {
-        let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
-        let address = listener.local_addr().unwrap();
-        let stop = CancellationToken::new();
         let seams = Seams {
-            connector,
+            connector: TcpConnector::default(),
             clock: Arc::new(SystemClock),
             journal: SharedJournal::volatile(),
         };
+        Self::of(plan, seams).await
+    }
+
+    async fn of<C: Connector>(plan: Plan, seams: Seams<C>) -> Self {
+        let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+        let address = listener.local_addr().unwrap();
+        let stop = CancellationToken::new();
         let task = tokio::spawn(server::run(listener, plan, seams, stop.clone()));
+        Self::running(address, stop, task)
+    }
+
+    /// A server that runs already.
+    pub(crate) fn running(
+        address: SocketAddr,
+        stop: CancellationToken,
+        task: JoinHandle<Result<(), ServeError>>,
+    ) -> Self {
         Self {
             address,
             stop,

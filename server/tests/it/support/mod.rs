@@ -6,7 +6,7 @@ mod connector;
 mod robot;
 mod secured;
 
-pub(crate) use cell::{MODEL, MOTION, MOTIONS, TestServer, robot_section};
+pub(crate) use cell::{MODEL, MOTION, MOTIONS, TestServer, fresh_key, robot_section};
 pub(crate) use client::HttpReply;
 pub(crate) use connector::{Attempt, ScriptedNetwork};
 pub(crate) use robot::{ACCEPTED, Act, FakeRobot};

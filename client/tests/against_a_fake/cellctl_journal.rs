@@ -1,0 +1,105 @@
+//! `cellctl journal`: exit codes, and the first broken record.
+
+use std::path::Path;
+use std::process::Stdio;
+use std::time::Duration;
+
+use journal::{
+    Audit, AuditResult, Clocks, Filesystem, Journal as _, KeyRetention, Opening, Record,
+    SqliteJournal, SqliteOptions,
+};
+
+fn at() -> Clocks {
+    Clocks {
+        wall: jiff::Timestamp::UNIX_EPOCH,
+        monotonic: Duration::ZERO,
+    }
+}
+
+async fn make(path: &Path) {
+    let opening = Opening {
+        at: at(),
+        program: "test".into(),
+        keys: KeyRetention::default(),
+    };
+    let options = SqliteOptions {
+        filesystem: Filesystem::Trusted,
+        ..SqliteOptions::default()
+    };
+    let journal = SqliteJournal::open(path, &opening, &options).await.unwrap();
+    for n in 0..5 {
+        let audit = Record::Audit(Audit {
+            principal: "anna".into(),
+            action: "limits.update".into(),
+            object: format!("object-{n}"),
+            result: AuditResult::Done,
+            request_id: None,
+            before: None,
+            after: None,
+        });
+        let _kept = journal.append(at(), audit).await.unwrap();
+    }
+    journal.close().await;
+}
+
+fn run(arguments: &[&str]) -> (i32, String, String) {
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_cellctl"))
+        .args(arguments)
+        .stdin(Stdio::null())
+        .output()
+        .unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    (
+        output.status.code().unwrap(),
+        text(output.stdout),
+        text(output.stderr),
+    )
+}
+
+#[tokio::test]
+async fn a_journal_is_verified_and_exported_and_its_first_broken_record_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("cell.journal");
+    make(&path).await;
+    let file = path.to_str().unwrap();
+    let (code, text, _) = run(&["journal", "verify", file]);
+    assert_eq!(code, 0, "{text}");
+    assert!(text.starts_with("The journal holds: 6 records"), "{text}");
+    let head = text
+        .lines()
+        .find_map(|line| line.strip_prefix("head "))
+        .unwrap();
+    let (code, _, _) = run(&["journal", "verify", file, "--head", head]);
+    assert_eq!(code, 0);
+    let later = format!("9:{}", head.split_once(':').unwrap().1);
+    let (code, _, error) = run(&["journal", "verify", file, "--head", &later]);
+    assert_eq!(code, 1, "{error}");
+    assert!(error.contains("record 9"), "{error}");
+
+    let (code, lines, _) = run(&["journal", "export", file]);
+    assert_eq!((code, lines.lines().count()), (0, 6));
+    let out = folder.path().join("out.jsonl");
+    let out = out.to_str().unwrap();
+    assert_eq!(run(&["journal", "export", file, "--output", out]).0, 0);
+    assert_eq!(std::fs::read_to_string(out).unwrap(), lines);
+    // Never over a file that is there.
+    assert_eq!(run(&["journal", "export", file, "--output", out]).0, 2);
+
+    let bytes = std::fs::read(&path).unwrap();
+    let place = bytes
+        .windows(8)
+        .position(|window| window == b"object-3")
+        .unwrap();
+    let mut edited = bytes.clone();
+    edited[place + 7] = b'7';
+    std::fs::write(&path, &edited).unwrap();
+    let (code, _, error) = run(&["journal", "verify", file]);
+    assert_eq!(code, 1, "{error}");
+    assert!(error.contains("record 5"), "{error}");
+    let (code, text, _) = run(&["--json", "journal", "verify", file]);
+    let told: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!((code, &told["first_broken"]), (1, &serde_json::json!(5)));
+
+    let nothing = folder.path().join("nothing");
+    assert_eq!(run(&["journal", "verify", nothing.to_str().unwrap()]).0, 3);
+}
