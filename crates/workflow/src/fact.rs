@@ -116,7 +116,7 @@ pub enum Fact {
     Answered { intervention: Uuid, decided: Decided },
     /// The question has no meaning any more.
     Withdrawn { intervention: Uuid, text: String },
-    /// A wait ended without what was waited for.
+    /// A wait ended without what was waited for. Not kept: what was done about it is.
     TimerExpired { timer: TimerKey },
     /// An arm was looked at. Not kept.
     ArmSeen(ArmSeen),
@@ -148,7 +148,7 @@ impl Fact {
                 | Self::OpPlanned { .. }
                 | Self::ControlChanged { .. }
                 | Self::JournalChanged { .. }
-                | Self::TimerExpired { timer: TimerKey::Queue { .. } | TimerKey::Question { .. } }
+                | Self::TimerExpired { .. }
         )
     }
 }

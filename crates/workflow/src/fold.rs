@@ -301,7 +301,10 @@ impl Cell {
                 if let TimerKey::Safe { arm } = timer {
                     let _one = self.live.safe.remove(arm);
                 }
-                if matches!(timer, TimerKey::Queue { .. }) {
+                if matches!(
+                    timer,
+                    TimerKey::Queue { .. } | TimerKey::State { .. } | TimerKey::Step { .. }
+                ) {
                     let _armed_anew = self.live.timers.remove(timer);
                 }
             }

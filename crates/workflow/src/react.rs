@@ -78,6 +78,9 @@ impl Work<'_> {
 
     /// A step that may not simply be started again: a human says how to go on.
     pub(crate) fn step_stuck(&mut self, job: &Job, step: usize, fault: Fault, text: &str, op: Option<Uuid>) {
+        if is_over(job) {
+            return;
+        }
         self.step_to(job, step, StepState::Retriable, text);
         let Some(job) = self.job(job.id) else { return };
         let what = job.step(step).map(|s| format!("{:?}", s.plan.phase)).unwrap_or_default();
@@ -148,6 +151,19 @@ impl Work<'_> {
         }
         known
     }
+}
+
+/// Nothing of the job goes on; what its last operation does is not asked about any more.
+pub(crate) const fn is_over(job: &Job) -> bool {
+    matches!(
+        job.state,
+        JobState::Aborting
+            | JobState::Aborted
+            | JobState::Clearing
+            | JobState::Stopped
+            | JobState::Complete
+            | JobState::Resetting
+    )
 }
 
 /// A fault never lifts a job out of a state that is stricter than the one it asks for.

@@ -180,6 +180,12 @@ impl Work<'_> {
                 matches!(&l.location, Location::MobileRobot { mobile_robot: m, .. } if m == mobile_robot)
             })
             .map(|(id, _)| id.clone())
+            .filter(|id| {
+                // Only what this transport took along; loads of others stay where they are.
+                self.cell.book.jobs.get(&transport.job).is_some_and(|j| {
+                    j.items.iter().any(|i| i.load.as_ref() == Some(id))
+                })
+            })
             .collect();
         for load in on_it {
             self.emit(Fact::CustodyMoved {

@@ -108,6 +108,11 @@ impl Work<'_> {
     fn step_late(&mut self, job: &Job, step: usize) {
         let Some(found) = job.step(step).cloned() else { return };
         let phase = found.plan.phase;
+        let asked = self.cell.book.question_of(job.id).is_some()
+            || job.session.is_some_and(|s| self.cell.book.question_of_session(s).is_some());
+        if asked {
+            return;
+        }
         let again = |work: &mut Self| work.emit(Fact::StepResent { job: job.id, step });
         let timers = self.cell.setup.timers.clone();
         match phase {

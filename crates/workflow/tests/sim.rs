@@ -88,8 +88,8 @@ fn human(w: &mut World) {
             }
         }
         Answer::MarkDelivered => {
-            for at in w.loads.values_mut() {
-                if matches!(at, Location::MobileRobot { mobile_robot, .. } if mobile_robot == "m1") {
+            for (load, at) in &mut w.loads {
+                if load.starts_with('P') && matches!(at, Location::MobileRobot { mobile_robot, .. } if mobile_robot == "m1") {
                     *at = Location::Delivered { destination: "warehouse".into() };
                 }
             }

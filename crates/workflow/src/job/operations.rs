@@ -247,7 +247,9 @@ impl Work<'_> {
         }
         self.emit(Fact::OpEnded { op: id, result: result.clone() });
         let Some(job) = self.job(op.job) else { return Ok(Reply::Done) };
+        let over = crate::react::is_over(&job);
         match result {
+            _ if over && !matches!(result, OpResult::Gripped { .. }) => {}
             OpResult::Arrived | OpResult::InDoubt { .. } => {}
             OpResult::Prechecked { failures } => {
                 if let Some(first) = failures.first() {
@@ -291,6 +293,9 @@ impl Work<'_> {
                 state: Some(JobState::Suspending),
                 ..Reaction::default()
             });
+            return;
+        }
+        if crate::react::is_over(job) {
             return;
         }
         let mut answers = vec![Answer::Happened, Answer::DidNotHappen];

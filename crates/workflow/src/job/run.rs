@@ -165,6 +165,7 @@ impl Work<'_> {
         {
             self.continue_session(&session);
         }
+        self.withdraw(job.id, "the job goes on");
         let begun = job.is_done(Phase::Precheck);
         self.go(job.id, if begun { JobState::Execute } else { JobState::Starting }, Why::Course, "");
     }

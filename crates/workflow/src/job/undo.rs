@@ -188,6 +188,12 @@ impl Work<'_> {
     /// F2, F13: the same point, a new order.
     pub(crate) fn redispatch(&mut self, job: &Job) {
         let Some(session) = self.cell.session_of(job).cloned() else { return };
+        let clear = self.cell.setup.point(&session.point).is_some_and(|p| !self.cell.arm_may_be_in(p));
+        let begun = session.state != SessionState::Reserved;
+        if begun && !session.state.may_become(SessionState::Reserved) || !clear {
+            // It is past the point where a new order would help.
+            return;
+        }
         if let Some(order) = session.order {
             self.tell(&session, Message::MovePermit { granted: false });
             self.tell(&session, Message::CancelOrder { order });

@@ -337,6 +337,7 @@ impl World {
 
     fn boot(&mut self) {
         let _reply = self.input(Input::Recover).unwrap();
+        assert!(self.cell.permits().iter().all(|(_, p)| *p == workflow::Permit::None), "I7");
         let jobs_may_act = self.may_act;
         let _reply = self.input(Input::Control { jobs_may_act }).unwrap();
         self.look();
@@ -686,7 +687,7 @@ impl World {
                 }
             }
             Do::Arrive => {
-                assert!(rogue || !arm_inside, "a mobile robot drives in with an arm in the zone");
+                assert!(rogue || !arm_inside || !m.state.driving, "a mobile robot drives in with an arm in the zone");
                 (m.state.driving, m.state.at_point) = (false, Some(POINT.into()));
                 if !m.docked {
                     m.state.pose = BasePose { x_mm: DOCK.x_mm - 300.0, ..DOCK };
@@ -727,8 +728,8 @@ impl World {
                 }
             }
             Do::Deliver => {
-                for at in self.loads.values_mut() {
-                    if matches!(at, Location::MobileRobot { mobile_robot, .. } if mobile_robot == id) {
+                for (load, at) in &mut self.loads {
+                    if load.starts_with('P') && matches!(at, Location::MobileRobot { mobile_robot, .. } if mobile_robot == id) {
                         *at = Location::Delivered { destination: "warehouse".into() };
                     }
                 }
@@ -813,7 +814,9 @@ impl World {
                 arm.moving = None;
                 arm.at = Some(target);
                 let _old = arm.done.insert(op, OpResult::Arrived);
-                self.results.push((now, op, OpResult::Arrived));
+                if !arm.doubt_for_good {
+                    self.results.push((now, op, OpResult::Arrived));
+                }
             }
         }
         if now >= self.next_look {
@@ -849,6 +852,9 @@ impl World {
     }
 
     fn misfortune(&mut self) {
+        if !self.rogue {
+            return;
+        }
         let odds = self.odds.clone();
         if self.chance.hits(odds.mode_change) {
             let m = self.mobiles.get_mut("m1").unwrap();
