@@ -499,7 +499,7 @@ impl Work<'_> {
                     (SessionState::Faulted, _) => self.cancel_order(&session),
                     (SessionState::ExitGranted, _) => {
                         self.emit(Fact::SessionResent { session: session.id });
-                        self.tell(&session, Message::ExitGranted);
+                        self.tell_exit(&session);
                     }
                     _ => self.emit(Fact::SessionResent { session: session.id }),
                 }

@@ -2,6 +2,7 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::time::Duration;
 
+use jiff::Timestamp;
 use journal::{CellDecided, Position, ReadError, Record};
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
@@ -15,6 +16,7 @@ use super::arm::{ArmPort, Operation};
 use super::clock::CellClock;
 use super::handle::{Ask, CellHandle, Refused};
 use super::ids::Ids;
+use super::told::Told;
 use crate::clock::WallClock;
 use crate::journal::SharedJournal;
 
@@ -55,6 +57,7 @@ pub enum StartError {
 #[derive(Debug)]
 pub(crate) struct Recovered {
     cell: Cell,
+    told: Told,
     /// Jobs that were running.
     pub(crate) decisions: usize,
 }
@@ -68,8 +71,10 @@ impl Recovered {
         id: &str,
         setup: Setup,
         journal: &SharedJournal,
+        now: Timestamp,
     ) -> Result<Self, StartError> {
         let mut cell = Cell::new(setup);
+        let told = Told::of(journal, now);
         let (mut after, mut decisions) = (Position::default(), 0);
         loop {
             let page = journal.decided(id, after, PAGE).await;
@@ -83,18 +88,28 @@ impl Recovered {
                 let Record::CellDecided(decided) = &stored.record else {
                     continue;
                 };
-                let facts: Vec<Fact> =
-                    serde_json::from_str(&decided.facts).map_err(|source| StartError::Decision {
+                let facts: Vec<Fact> = serde_json::from_str(&decided.facts).map_err(|source| {
+                    StartError::Decision {
                         cell: id.to_owned(),
                         position: after,
                         source,
-                    })?;
+                    }
+                })?;
                 for fact in &facts {
                     cell.replay(fact);
+                    if let Fact::Told { mobile_robot, .. } = fact
+                        && let Some(last) = cell.outbox(mobile_robot, 0).last()
+                    {
+                        told.note(mobile_robot, last.n, stored.at.wall);
+                    }
                 }
             }
             if page.len() < PAGE {
-                return Ok(Self { cell, decisions });
+                return Ok(Self {
+                    cell,
+                    told,
+                    decisions,
+                });
             }
         }
     }
@@ -116,11 +131,12 @@ impl Driver {
     pub(crate) fn spawn(self, recovered: Recovered) -> CellHandle {
         let (asks, asked) = mpsc::channel(WAITING);
         let view = watch::Sender::new(Arc::new(recovered.cell.clone()));
-        let handle = CellHandle::new(asks.clone(), view.subscribe());
+        let handle = CellHandle::new(asks.clone(), view.subscribe(), recovered.told.clone());
         let ids = Ids::new(Arc::clone(&self.wall));
         let tracker = self.tracker.clone();
         let task = Task {
             cell: recovered.cell,
+            told: recovered.told,
             driver: self,
             ids,
             view,
@@ -135,6 +151,7 @@ impl Driver {
 
 struct Task {
     cell: Cell,
+    told: Told,
     driver: Driver,
     ids: Ids,
     view: watch::Sender<Arc<Cell>>,
@@ -164,7 +181,9 @@ impl Task {
                     continue;
                 }
             };
-            let Some(Ask { input, answer }) = ask else { break };
+            let Some(Ask { input, answer }) = ask else {
+                break;
+            };
             match answer {
                 None => self.happened(input).await,
                 Some(answer) => {
@@ -304,12 +323,16 @@ impl Task {
             Effect::Tell {
                 mobile_robot,
                 message,
-            } => tracing::info!(
-                cell.id = self.driver.id,
-                mobile_robot.id = mobile_robot,
-                n = message.n,
-                "a message for a mobile robot"
-            ),
+            } => {
+                self.told
+                    .note(&mobile_robot, message.n, self.driver.wall.now());
+                tracing::info!(
+                    cell.id = self.driver.id,
+                    mobile_robot.id = mobile_robot,
+                    n = message.n,
+                    "a message for a mobile robot"
+                );
+            }
             Effect::Ask { intervention } => tracing::warn!(
                 cell.id = self.driver.id,
                 %intervention,
@@ -350,7 +373,12 @@ impl Task {
             let result = ends.await;
             if let Some(asks) = asks.upgrade() {
                 let input = Input::OperationEnded { op, result };
-                let _stopping = asks.send(Ask { input, answer: None }).await;
+                let _stopping = asks
+                    .send(Ask {
+                        input,
+                        answer: None,
+                    })
+                    .await;
             }
         }));
     }
@@ -358,7 +386,10 @@ impl Task {
     fn report(&self, input: Input) {
         if let Some(asks) = self.asks.upgrade() {
             // Only an estimate: where there is no room for it, the cell's own default holds.
-            let _full = asks.try_send(Ask { input, answer: None });
+            let _full = asks.try_send(Ask {
+                input,
+                answer: None,
+            });
         }
     }
 }
