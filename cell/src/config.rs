@@ -154,6 +154,24 @@ pub(crate) fn load(path: Option<&Path>) -> Result<Loaded> {
     Ok(Loaded { file, folder, name })
 }
 
+impl Loaded {
+    /// A configuration from text, with the set-up that its cells begin with.
+    ///
+    /// # Errors
+    /// It is not TOML, or a key does not fit.
+    pub(crate) fn from_text(config: &str, setup: &str) -> Result<Self> {
+        let mut file: File = toml::from_str(config).context("reading the configuration")?;
+        for cell in &mut file.cells {
+            cell.setup = Some(SetupSource::Memory(setup.to_owned()));
+        }
+        Ok(Self {
+            file,
+            folder: PathBuf::new(),
+            name: "a configuration of text".into(),
+        })
+    }
+}
+
 fn seed_port() -> u16 {
     59002
 }

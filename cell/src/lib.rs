@@ -5,6 +5,7 @@
 //! carries. [`start`] is the program `robocell`.
 
 mod access;
+mod assembly;
 mod banner;
 mod cli;
 mod config;
@@ -15,6 +16,7 @@ mod supervise;
 mod virtual_controllers;
 pub mod world;
 
+pub use assembly::Assembly;
 pub use cli::Cli;
 pub use plant::{Plant, PlantError};
 pub use start::start;
