@@ -81,6 +81,8 @@ pub struct ArmTruth {
     pub swallow_next: bool,
     pub not_executed_next: bool,
     pub blocked: BTreeSet<String>,
+    /// It lost its memory: what is not in `done` may have happened.
+    pub forgot: bool,
 }
 
 #[derive(Debug, Clone)]
@@ -277,6 +279,7 @@ impl World {
             swallow_next: false,
             not_executed_next: false,
             blocked: BTreeSet::new(),
+            forgot: false,
         };
         let mobile = MobileTruth {
             boot: 1,
@@ -419,6 +422,9 @@ impl World {
                     // Answered when it stands.
                 } else if let Some(result) = truth.done.get(&op) {
                     self.results.push((self.now + 50, op, result.clone()));
+                } else if truth.forgot && truth.asked.contains(&op) {
+                    let text = "the controller forgot".to_owned();
+                    self.results.push((self.now + 50, op, OpResult::InDoubt { text }));
                 } else if truth.link {
                     let text = "the controller never accepted it".to_owned();
                     self.results.push((self.now + 50, op, OpResult::NotExecuted { text }));
@@ -448,6 +454,7 @@ impl World {
         assert!(arm.asked.insert(op), "operation {op} was sent twice");
         if std::mem::take(&mut arm.not_executed_next) || self.chance.hits(self.odds.not_executed) {
             let text = "refused, nothing was sent".to_owned();
+            let _old = arm.done.insert(op, OpResult::NotExecuted { text: text.clone() });
             self.results.push((now + 20, op, OpResult::NotExecuted { text }));
             return;
         }
@@ -871,7 +878,9 @@ impl World {
             self.mobiles.get_mut("m1").unwrap().beats = true;
         }
         if self.chance.hits(odds.controller_forgets) {
-            self.arms.get_mut("r1").unwrap().done.clear();
+            let arm = self.arms.get_mut("r1").unwrap();
+            arm.done.clear();
+            arm.forgot = true;
         }
         if self.chance.hits(odds.part_dropped)
             && let Some(load) = self.arms.get_mut("r1").unwrap().holds.take()
