@@ -9,14 +9,24 @@ use protocol::{Bounds, Handover, Weakened};
 use stateright::{Checker, Model};
 
 fn main() {
-    let bounds = Bounds { crashes: 2, losses: 1, doubles: 1, jogs: 1, drives: 1, lies: 1 };
+    let bounds = Bounds {
+        crashes: 2,
+        losses: 1,
+        doubles: 1,
+        jogs: 1,
+        drives: 1,
+        lies: 1,
+    };
     let start = std::time::Instant::now();
-    let checker = Handover { weakened: Weakened::No, bounds }
-        .checker()
-        .threads(2)
-        .target_state_count(20_000_000)
-        .spawn_bfs()
-        .join();
+    let checker = Handover {
+        weakened: Weakened::No,
+        bounds,
+    }
+    .checker()
+    .threads(2)
+    .target_state_count(20_000_000)
+    .spawn_bfs()
+    .join();
     println!(
         "{} unique states, depth {}, {:.1} s",
         checker.unique_state_count(),

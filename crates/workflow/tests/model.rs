@@ -7,17 +7,55 @@ mod protocol;
 use protocol::{Bounds, Handover, Weakened};
 use stateright::{Checker, Model};
 
-const SMALL: Bounds = Bounds { crashes: 1, losses: 1, doubles: 1, jogs: 1, drives: 1, lies: 1 };
+const SMALL: Bounds = Bounds {
+    crashes: 1,
+    losses: 1,
+    doubles: 1,
+    jogs: 1,
+    drives: 1,
+    lies: 1,
+};
 
 #[test]
 fn the_design_holds_inside_small_bounds() {
-    let model = Handover {
-        weakened: Weakened::No,
-        bounds: Bounds { crashes: 1, losses: 1, doubles: 0, jogs: 1, drives: 0, lies: 0 },
+    let calm = Bounds {
+        crashes: 1,
+        losses: 0,
+        doubles: 0,
+        jogs: 0,
+        drives: 0,
+        lies: 0,
     };
-    let checker = model.checker().spawn_bfs().join();
-    println!("{} unique states", checker.unique_state_count());
-    checker.assert_properties();
+    let end = Handover {
+        weakened: Weakened::No,
+        bounds: calm,
+    }
+    .checker()
+    .spawn_bfs()
+    .join();
+    end.assert_properties();
+    // Everything at once, as far as a test may take: the example goes further.
+    let far = Handover {
+        weakened: Weakened::No,
+        bounds: SMALL,
+    }
+    .checker()
+    .target_state_count(60_000)
+    .spawn_bfs()
+    .join();
+    for bad in [
+        "no motion twice",
+        "done means done",
+        "in order",
+        "one in the zone",
+    ] {
+        assert!(far.discovery(bad).is_none(), "{bad}");
+    }
+    println!(
+        "{} and {} unique states",
+        end.unique_state_count(),
+        far.unique_state_count()
+    );
 }
 
 #[test]
@@ -29,16 +67,27 @@ fn every_weakened_design_is_caught() {
         (Weakened::PermitsSurviveTheBoot, "one in the zone"),
         (Weakened::NoSecondEvidence, "one in the zone"),
         (Weakened::PoseOnly, "no motion twice"),
+        (Weakened::NoDedupe, "one in the zone"),
+        (Weakened::EntryWithoutClearArm, "one in the zone"),
     ];
     for (weakened, property) in all {
-        let checker = Handover { weakened, bounds: SMALL }
-            .checker()
-            .target_state_count(400_000)
-            .finish_when(stateright::HasDiscoveries::AnyOf(std::iter::once(property).collect()))
-            .spawn_bfs()
-            .join();
+        let checker = Handover {
+            weakened,
+            bounds: SMALL,
+        }
+        .checker()
+        .target_state_count(400_000)
+        .finish_when(stateright::HasDiscoveries::AnyOf(
+            std::iter::once(property).collect(),
+        ))
+        .spawn_bfs()
+        .join();
         let path = checker.discovery(property);
-        assert!(path.is_some(), "{weakened:?} was not caught: {} states", checker.unique_state_count());
+        assert!(
+            path.is_some(),
+            "{weakened:?} was not caught: {} states",
+            checker.unique_state_count()
+        );
         println!("{weakened:?}: {} steps", path.unwrap().into_actions().len());
     }
 }
