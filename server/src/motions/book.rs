@@ -7,7 +7,7 @@
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use jiff::Timestamp;
+use jiff::{SignedDuration, Timestamp};
 use tokio::sync::watch;
 use tokio::time::{Instant, timeout_at};
 use uuid::{ContextV7, Uuid};
@@ -94,7 +94,13 @@ impl Book {
     /// Takes up a motion of an earlier process.
     pub(crate) fn restore(&self, record: Record) {
         let mut kept = self.lock();
-        kept.floor = kept.floor.max(record.created_at);
+        // A millisecond on: within one, the order of ids is only known to the process that made them.
+        let after = SignedDuration::from_millis(1);
+        let behind = record
+            .created_at
+            .checked_add(after)
+            .unwrap_or(record.created_at);
+        kept.floor = kept.floor.max(behind);
         if record.progress.is_in_doubt() {
             let _new = kept.doubts.insert(record.id);
         }
