@@ -37,9 +37,6 @@ pub(crate) use handle::{CellServerLink, spawn};
 pub(crate) use judge::Open;
 pub(crate) use order::{MotionEnd, MotionObserver, MotionOrder};
 pub(crate) use plan::CellServerPlan;
+pub(crate) use view::ControllerView;
 #[cfg(test)]
-pub(crate) use {
-    order::Rejection,
-    readiness::NotReady,
-    view::{ControllerView, Phase},
-};
+pub(crate) use {order::Rejection, readiness::NotReady, view::Phase};
