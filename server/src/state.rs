@@ -6,8 +6,8 @@ use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
-use crate::cell::{self, CellHandle};
 use crate::authority::{CellControl, EpochStore, LeaseClock, MemoryEpochs};
+use crate::cell::{self, CellHandle};
 use crate::clock::WallClock;
 use crate::config::{Plan, RobotPlan, ServerPlan};
 use crate::identity::{AuditSink, Identity, TracingAudit};

@@ -83,12 +83,13 @@ impl Recovered {
                 let Record::CellDecided(decided) = &stored.record else {
                     continue;
                 };
-                let facts: Vec<Fact> =
-                    serde_json::from_str(&decided.facts).map_err(|source| StartError::Decision {
+                let facts: Vec<Fact> = serde_json::from_str(&decided.facts).map_err(|source| {
+                    StartError::Decision {
                         cell: id.to_owned(),
                         position: after,
                         source,
-                    })?;
+                    }
+                })?;
                 for fact in &facts {
                     cell.replay(fact);
                 }
@@ -164,7 +165,9 @@ impl Task {
                     continue;
                 }
             };
-            let Some(Ask { input, answer }) = ask else { break };
+            let Some(Ask { input, answer }) = ask else {
+                break;
+            };
             match answer {
                 None => self.happened(input).await,
                 Some(answer) => {
@@ -350,7 +353,12 @@ impl Task {
             let result = ends.await;
             if let Some(asks) = asks.upgrade() {
                 let input = Input::OperationEnded { op, result };
-                let _stopping = asks.send(Ask { input, answer: None }).await;
+                let _stopping = asks
+                    .send(Ask {
+                        input,
+                        answer: None,
+                    })
+                    .await;
             }
         }));
     }
@@ -358,7 +366,10 @@ impl Task {
     fn report(&self, input: Input) {
         if let Some(asks) = self.asks.upgrade() {
             // Only an estimate: where there is no room for it, the cell's own default holds.
-            let _full = asks.try_send(Ask { input, answer: None });
+            let _full = asks.try_send(Ask {
+                input,
+                answer: None,
+            });
         }
     }
 }
