@@ -619,7 +619,7 @@ impl Work<'_> {
                     self.emit(Fact::SessionResent {
                         session: session.id,
                     });
-                    self.tell(&session, Message::ExitGranted);
+                    self.tell_exit(&session);
                 }
                 _ => self.emit(Fact::SessionResent {
                     session: session.id,

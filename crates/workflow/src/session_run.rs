@@ -57,7 +57,7 @@ impl Work<'_> {
             }
             SessionState::TransferDone if self.cell.arm_clear(&point) && self.may_exit(session) => {
                 self.move_session(session, SessionState::ExitGranted);
-                self.tell(session, Message::ExitGranted);
+                self.tell_exit(session);
             }
             SessionState::ExitGranted if session.cleared => {
                 self.close(session, SessionState::Exited);
@@ -96,6 +96,12 @@ impl Work<'_> {
             | SessionState::Released
             | SessionState::Canceled => {}
         }
+    }
+
+    /// It may go, and it may move: a mobile robot that was told to stand waits for both.
+    pub(crate) fn tell_exit(&mut self, session: &Session) {
+        self.tell(session, Message::MovePermit { granted: true });
+        self.tell(session, Message::ExitGranted);
     }
 
     /// An aborted job keeps its mobile robot where it is until a human has decided.
@@ -173,7 +179,7 @@ impl Work<'_> {
                 self.emit(Fact::SessionResent {
                     session: session.id,
                 });
-                self.tell(session, Message::ExitGranted);
+                self.tell_exit(session);
             }
             SessionState::Canceling if again => {
                 self.emit(Fact::SessionResent {

@@ -2,6 +2,7 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::time::Duration;
 
+use jiff::Timestamp;
 use journal::{CellDecided, Position, ReadError, Record};
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
@@ -15,6 +16,7 @@ use super::arm::{ArmPort, Operation};
 use super::clock::CellClock;
 use super::handle::{Ask, CellHandle, Refused};
 use super::ids::Ids;
+use super::told::Told;
 use crate::clock::WallClock;
 use crate::journal::SharedJournal;
 
@@ -55,6 +57,7 @@ pub enum StartError {
 #[derive(Debug)]
 pub(crate) struct Recovered {
     cell: Cell,
+    told: Told,
     /// Jobs that were running.
     pub(crate) decisions: usize,
 }
@@ -68,8 +71,10 @@ impl Recovered {
         id: &str,
         setup: Setup,
         journal: &SharedJournal,
+        now: Timestamp,
     ) -> Result<Self, StartError> {
         let mut cell = Cell::new(setup);
+        let told = Told::of(journal, now);
         let (mut after, mut decisions) = (Position::default(), 0);
         loop {
             let page = journal.decided(id, after, PAGE).await;
@@ -92,10 +97,19 @@ impl Recovered {
                 })?;
                 for fact in &facts {
                     cell.replay(fact);
+                    if let Fact::Told { mobile_robot, .. } = fact
+                        && let Some(last) = cell.outbox(mobile_robot, 0).last()
+                    {
+                        told.note(mobile_robot, last.n, stored.at.wall);
+                    }
                 }
             }
             if page.len() < PAGE {
-                return Ok(Self { cell, decisions });
+                return Ok(Self {
+                    cell,
+                    told,
+                    decisions,
+                });
             }
         }
     }
@@ -117,11 +131,12 @@ impl Driver {
     pub(crate) fn spawn(self, recovered: Recovered) -> CellHandle {
         let (asks, asked) = mpsc::channel(WAITING);
         let view = watch::Sender::new(Arc::new(recovered.cell.clone()));
-        let handle = CellHandle::new(asks.clone(), view.subscribe());
+        let handle = CellHandle::new(asks.clone(), view.subscribe(), recovered.told.clone());
         let ids = Ids::new(Arc::clone(&self.wall));
         let tracker = self.tracker.clone();
         let task = Task {
             cell: recovered.cell,
+            told: recovered.told,
             driver: self,
             ids,
             view,
@@ -136,6 +151,7 @@ impl Driver {
 
 struct Task {
     cell: Cell,
+    told: Told,
     driver: Driver,
     ids: Ids,
     view: watch::Sender<Arc<Cell>>,
@@ -307,12 +323,16 @@ impl Task {
             Effect::Tell {
                 mobile_robot,
                 message,
-            } => tracing::info!(
-                cell.id = self.driver.id,
-                mobile_robot.id = mobile_robot,
-                n = message.n,
-                "a message for a mobile robot"
-            ),
+            } => {
+                self.told
+                    .note(&mobile_robot, message.n, self.driver.wall.now());
+                tracing::info!(
+                    cell.id = self.driver.id,
+                    mobile_robot.id = mobile_robot,
+                    n = message.n,
+                    "a message for a mobile robot"
+                );
+            }
             Effect::Ask { intervention } => tracing::warn!(
                 cell.id = self.driver.id,
                 %intervention,

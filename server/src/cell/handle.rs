@@ -3,6 +3,7 @@ use std::sync::Arc;
 use tokio::sync::{mpsc, oneshot, watch};
 use workflow::{Cell, Input, Refusal, Reply};
 
+use super::told::Told;
 use crate::journal::Trouble;
 
 /// A way to a cell's driver.
@@ -10,6 +11,7 @@ use crate::journal::Trouble;
 pub(crate) struct CellHandle {
     asks: mpsc::Sender<Ask>,
     view: watch::Receiver<Arc<Cell>>,
+    pub(super) told: Told,
 }
 
 /// Something for the driver.
@@ -34,8 +36,12 @@ pub(crate) enum Refused {
 }
 
 impl CellHandle {
-    pub(super) fn new(asks: mpsc::Sender<Ask>, view: watch::Receiver<Arc<Cell>>) -> Self {
-        Self { asks, view }
+    pub(super) fn new(
+        asks: mpsc::Sender<Ask>,
+        view: watch::Receiver<Arc<Cell>>,
+        told: Told,
+    ) -> Self {
+        Self { asks, view, told }
     }
 
     /// Asks the cell for something. When this returns `Ok`, it is durable.

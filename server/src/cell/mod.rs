@@ -16,8 +16,11 @@ mod handle;
 mod ids;
 mod motion_arm;
 mod observe;
+mod outbox;
 mod start;
+mod told;
 
 pub use driver::StartError;
 pub(crate) use handle::{CellHandle, Refused};
+pub(crate) use outbox::Outboxes;
 pub(crate) use start::Parts;

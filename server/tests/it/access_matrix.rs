@@ -34,6 +34,8 @@ POST   /api/v1/cells/{cell}/robots/{robot}/kinematics/inverse        VOIA
 GET    /api/v1/cells/{cell}/robots/{robot}/motions                   VOIA
 POST   /api/v1/cells/{cell}/robots/{robot}/motions                   OI
 GET    /api/v1/cells/{cell}/robots/{robot}/motions/{id}              VOIA
+POST   /api/v1/cells/{cell}/mobile-robots/{mobile_robot}/signals     OI
+GET    /api/v1/cells/{cell}/mobile-robots/{mobile_robot}/outbox      OI
 POST   /fanuc/move                                                   OI
 POST   /fanuc/home                                                   OI
 POST   /fanuc/delta                                                  OI
