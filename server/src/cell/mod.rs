@@ -16,8 +16,10 @@ mod handle;
 mod ids;
 mod motion_arm;
 mod observe;
+mod places;
 mod start;
 
 pub use driver::StartError;
-pub(crate) use handle::{CellHandle, Refused};
+pub(crate) use handle::{CellHandle, Refused, Told};
+pub(crate) use places::Span;
 pub(crate) use start::Parts;
