@@ -18,11 +18,13 @@ mod motion_arm;
 mod observe;
 mod outbox;
 mod push;
+mod places;
 mod start;
 mod told;
 
 pub use driver::StartError;
-pub(crate) use handle::{CellHandle, Refused};
+pub(crate) use handle::{CellHandle, Refused, Told};
 pub(crate) use outbox::Outboxes;
 pub(crate) use push::push;
+pub(crate) use places::Span;
 pub(crate) use start::Parts;

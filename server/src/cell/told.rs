@@ -10,7 +10,7 @@ const REMEMBERED: usize = 256;
 
 /// When each message to a mobile robot was written, and each was last heard; and how messages are numbered.
 #[derive(Clone, Debug)]
-pub(super) struct Told {
+pub(super) struct TellTimes {
     /// What the cell's numbers are counted from.
     first: u64,
     robots: Arc<Mutex<HashMap<String, Times>>>,
@@ -22,7 +22,7 @@ struct Times {
     heard: Option<Timestamp>,
 }
 
-impl Told {
+impl TellTimes {
     /// Of a cell that begins with what `journal` knows.
     ///
     /// A mobile robot takes a message only if its number is above those it has. A journal that ends with the process

@@ -16,8 +16,8 @@ mod work;
 use serde::{Deserialize, Serialize};
 
 pub use motion::{
-    Accepted, Arrival, Asked, Completion, End, Hold, Intent, Mode, NoMotion, Observation, Outcome, OutputLevel,
-    Repeatability, Standstill, Target,
+    Accepted, Arrival, Asked, Completion, End, Hold, Intent, Mode, NoMotion, Observation, Outcome,
+    OutputLevel, Repeatability, Standstill, Target,
 };
 pub use work::{
     Answer, Audit, AuditResult, CellDecided, Decision, JobCreated, JobEnd, JobEnded, JobStep,
@@ -139,6 +139,7 @@ impl Record {
         match self {
             Self::Intent(intent) => intent.claim.as_ref(),
             Self::JobCreated(created) => created.claim.as_ref(),
+            Self::CellDecided(decided) => decided.claim.as_ref(),
             Self::ServerStarted(_)
             | Self::Accepted(_)
             | Self::Outcome(_)
@@ -146,8 +147,7 @@ impl Record {
             | Self::JobEnded(_)
             | Self::SignalReceived(_)
             | Self::Decision(_)
-            | Self::Audit(_)
-            | Self::CellDecided(_) => None,
+            | Self::Audit(_) => None,
         }
     }
 }
