@@ -22,12 +22,13 @@ at most once.
 
 This is not a safety function: emergency stop and guards are hard-wired in the controller.";
 
-const TAGS: [(&str, &str); 12] = [
+const TAGS: [(&str, &str); 13] = [
     ("motions", "Moving a robot, and what became of it."),
     (
         "mobile-robots",
         "What mobile robots tell the cell, and what it tells them.",
     ),
+    ("events", "What happens, live and from the journal."),
     ("interventions", "What only a person can decide."),
     ("robots", "What a robot is, and what is known of it now."),
     (

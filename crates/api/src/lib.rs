@@ -7,6 +7,7 @@
 mod authority;
 mod control;
 mod description;
+mod event;
 mod health;
 mod identity;
 mod intervention;
@@ -26,6 +27,10 @@ pub use authority::{
 pub use control::{MotionPreview, SpeedOverride, StopBody, StopCategory, StopResult};
 pub use description::{
     Capabilities, CellSummary, JointDescription, RobotDescription, RobotSummary, StopEffect, Tier,
+};
+pub use event::{
+    CellEvent, CellEventData, CellStatus, EventGap, EventsQuery, GapReason, JobStatus, LoadStatus,
+    PointStatus, TimerStatus,
 };
 pub use health::{JournalReadiness, LinkReadiness, Liveness, Readiness};
 pub use identity::{
