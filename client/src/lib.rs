@@ -50,6 +50,7 @@ mod answer;
 mod control;
 mod emulator;
 mod error;
+mod events;
 mod http;
 mod legacy;
 mod mobile;
@@ -62,6 +63,7 @@ pub use answer::MAX_ANSWER_BYTES;
 pub use control::{Control, HeldControl};
 pub use emulator::EmulatorClient;
 pub use error::ClientError;
+pub use events::{EventStream, Told};
 pub use http::Timeouts;
 pub use mobile::MobileRobotClient;
 pub use panel::{

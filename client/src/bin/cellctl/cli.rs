@@ -7,7 +7,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::{
     cell, control, delta, doubts, emulator, fk, home, ik, journal, motions, move_to,
-    speed_override, stop, teach, tokens,
+    speed_override, stop, teach, tokens, watch,
 };
 
 /// Drive a robot cell: move, look, calculate.
@@ -105,6 +105,7 @@ pub(crate) enum Command {
     Stop(stop::StopArgs),
     Override(speed_override::OverrideArgs),
     Doubts(doubts::DoubtsArgs),
+    Watch(watch::WatchArgs),
     Journal(journal::JournalArgs),
     Emulator(emulator::EmulatorArgs),
 }

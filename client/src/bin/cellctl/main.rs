@@ -26,6 +26,7 @@ mod stop;
 mod teach;
 mod text;
 mod tokens;
+mod watch;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -76,6 +77,7 @@ async fn run(cli: Cli) -> Result<Report, Failure> {
         Command::Stop(args) => stop::run(args, &context).await,
         Command::Override(args) => speed_override::run(args, &context).await,
         Command::Doubts(args) => doubts::run(args, &context).await,
+        Command::Watch(args) => watch::run(args, &context).await,
         Command::Journal(args) => journal::run(args, json).await,
         Command::Emulator(args) => emulator::run(args, &context).await,
     }
