@@ -28,3 +28,12 @@ pub(crate) use outbox::Outboxes;
 pub(crate) use places::Span;
 pub(crate) use push::push;
 pub(crate) use start::Parts;
+
+/// A cell without arms on a journal of its own, for tests of what listens to it.
+#[cfg(test)]
+pub(crate) async fn test_handle(journal: &crate::journal::SharedJournal) -> CellHandle {
+    testing::handle(journal, std::collections::BTreeMap::new()).await
+}
+
+#[cfg(test)]
+mod testing;

@@ -23,3 +23,6 @@ pub(crate) use body::stream_body;
 pub(crate) use id::EventId;
 pub(crate) use ring::Events;
 pub(crate) use stream::{Asked, CHUNKS, Filter};
+
+#[cfg(test)]
+mod tests;

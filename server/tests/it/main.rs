@@ -13,6 +13,7 @@ mod connections;
 mod control;
 mod deltas;
 mod document;
+mod events;
 mod health;
 mod identity;
 mod kept_motions;

@@ -1,0 +1,36 @@
+//! A driver with arms that do what a test says.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use tokio_util::sync::CancellationToken;
+use tokio_util::task::TaskTracker;
+use workflow::Setup;
+
+use super::arm::ArmPort;
+use super::clock::CellClock;
+use super::driver::{Driver, Recovered};
+use super::handle::CellHandle;
+use crate::clock::{SystemClock, WallClock};
+use crate::journal::SharedJournal;
+
+/// The cell `c1` with these arms, recovered from a journal.
+pub(crate) async fn handle(
+    journal: &SharedJournal,
+    arms: BTreeMap<String, Arc<dyn ArmPort>>,
+) -> CellHandle {
+    let wall: Arc<dyn WallClock> = Arc::new(SystemClock);
+    let recovered = Recovered::read("c1", Setup::default(), journal, wall.now())
+        .await
+        .unwrap();
+    Driver {
+        id: "c1".to_owned(),
+        journal: journal.clone(),
+        clock: CellClock::new(&wall, 1.0),
+        wall,
+        arms,
+        tracker: TaskTracker::new(),
+        stop: CancellationToken::new(),
+    }
+    .spawn(recovered)
+}
