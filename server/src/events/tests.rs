@@ -16,7 +16,7 @@ use crate::journal::SharedJournal;
 fn journal(kept: usize) -> SharedJournal {
     let opening = Opening {
         at: Clocks {
-            wall: Timestamp::UNIX_EPOCH,
+            wall: Timestamp::now(),
             monotonic: Duration::ZERO,
         },
         program: "test".into(),
@@ -36,7 +36,7 @@ async fn note(journal: &SharedJournal, action: &str) {
         before: None,
         after: None,
     });
-    let _kept = journal.append(Timestamp::UNIX_EPOCH, audit).await.unwrap();
+    let _kept = journal.append(Timestamp::now(), audit).await.unwrap();
 }
 
 struct World {
