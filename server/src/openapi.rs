@@ -22,8 +22,12 @@ at most once.
 
 This is not a safety function: emergency stop and guards are hard-wired in the controller.";
 
-const TAGS: [(&str, &str); 11] = [
+const TAGS: [(&str, &str); 12] = [
     ("motions", "Moving a robot, and what became of it."),
+    (
+        "mobile-robots",
+        "What mobile robots tell the cell, and what it tells them.",
+    ),
     ("interventions", "What only a person can decide."),
     ("robots", "What a robot is, and what is known of it now."),
     (

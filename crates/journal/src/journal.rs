@@ -178,7 +178,7 @@ pub struct DurableIntent {
 /// What an idempotency key stands for.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Replay {
-    /// The record that took the key: an intent or the creation of a job.
+    /// The record that took the key: an intent, the creation of a job, or a decision of a cell.
     pub first: Stored,
     /// The motion's acceptance, where the first record is an intent.
     pub accepted: Option<Stored>,

@@ -64,7 +64,7 @@ pub struct KeyEntry {
     pub position: Position,
     /// When, in Unix milliseconds of the caller's wall clock.
     pub used_ms: i64,
-    /// The motion behind it; none for a job.
+    /// The motion behind it; none for a job or a decision of a cell.
     pub motion: Option<MotionId>,
 }
 

@@ -9,7 +9,7 @@ mod common;
 
 use common::{at, audit, claim, directory, in_doubt, intent, motion, open, opening, outcome};
 use journal::{
-    CellDecided, End, Journal, MemoryDisk, MemoryJournal, MotionPhase, Position, Record,
+    Appended, CellDecided, End, Journal, MemoryDisk, MemoryJournal, MotionPhase, Position, Record,
     SqliteJournal, export, import, verify,
 };
 use sqlx::{ConnectOptions as _, Connection as _};
@@ -18,6 +18,15 @@ fn decided(cell: &str, n: u64) -> Record {
     Record::CellDecided(CellDecided {
         cell: cell.into(),
         facts: format!("[{n}]"),
+        claim: None,
+    })
+}
+
+fn asked(n: u64, key: &str, body: &str) -> Record {
+    Record::CellDecided(CellDecided {
+        cell: "c1".into(),
+        facts: format!("[{n}]"),
+        claim: Some(claim(key, body)),
     })
 }
 
@@ -162,4 +171,52 @@ async fn decisions_come_back_after_an_opening() {
     let journal = open(&path).await;
     let page = journal.decided("c1", Position::START, 9).await.unwrap();
     assert_eq!(page.len(), 1);
+}
+
+/// A request that led to a decision leads to the same one again, and to no other; whatever store it is in.
+async fn a_decision_is_found_by_its_key(journal: &impl Journal, first: u64) {
+    let record = asked(first, "k1", "body");
+    assert!(matches!(
+        journal.append(at(1), record.clone()).await.unwrap(),
+        Appended::New(_)
+    ));
+    let again = journal.append(at(2), asked(first + 1, "k1", "body")).await;
+    let Appended::Replayed(replay) = again.unwrap() else {
+        panic!("it was kept twice");
+    };
+    assert_eq!(replay.first.record, record);
+    let found = journal.lookup(&claim("k1", "body"), at(2)).await.unwrap();
+    assert_eq!(found.unwrap().first.record, record);
+    let other = journal.append(at(3), asked(first, "k1", "another")).await;
+    assert!(other.is_err());
+    assert_eq!(
+        journal.decided("c1", Position::START, 9).await.unwrap().len(),
+        1
+    );
+}
+
+/// Covers: H6.
+#[tokio::test]
+async fn the_key_of_a_decision_is_taken_once_and_survives_an_opening() {
+    let disk = MemoryDisk::new();
+    let memory = MemoryJournal::open(&disk, &opening()).unwrap();
+    a_decision_is_found_by_its_key(&memory, 1).await;
+    drop(memory);
+    let memory = MemoryJournal::open(&disk, &opening()).unwrap();
+    let found = memory.lookup(&claim("k1", "body"), at(4)).await.unwrap();
+    assert_eq!(found.unwrap().first.record, asked(1, "k1", "body"));
+
+    let (_directory, path) = directory();
+    let sqlite = open(&path).await;
+    a_decision_is_found_by_its_key(&sqlite, 1).await;
+    sqlite.close().await;
+    let sqlite = open(&path).await;
+    let found = sqlite.lookup(&claim("k1", "body"), at(4)).await.unwrap();
+    assert_eq!(found.unwrap().first.record, asked(1, "k1", "body"));
+    sqlite.close().await;
+    let head = verify(&path, None).await.unwrap().head;
+    let mut lines = Vec::new();
+    let _head = export(&path, &mut lines).await.unwrap();
+    let (_other, copy) = directory();
+    assert_eq!(import(&copy, &mut &lines[..]).await.unwrap(), head);
 }

@@ -215,6 +215,15 @@ fn work_examples() -> Vec<(&'static str, Record)> {
             Record::CellDecided(CellDecided {
                 cell: "c1".into(),
                 facts: "[{\"fact\":\"job_created\"}]".into(),
+                claim: None,
+            }),
+        ),
+        (
+            "cell_decided_asked",
+            Record::CellDecided(CellDecided {
+                cell: "c1".into(),
+                facts: "[{\"fact\":\"job_created\"}]".into(),
+                claim: Some(claim("k3", "body")),
             }),
         ),
     ]

@@ -18,32 +18,56 @@ fn start(w: &mut World, which: Which) -> Uuid {
 }
 
 fn has(w: &World, job: Uuid, fault: Fault) -> bool {
-    w.cell.job(w.now, job).unwrap().faults.iter().any(|f| f.fault == fault)
+    w.cell
+        .job(w.now, job)
+        .unwrap()
+        .faults
+        .iter()
+        .any(|f| f.fault == fault)
 }
 
 fn at(w: &World, job: Uuid, phase: Phase) -> bool {
-    w.cell.job(w.now, job).unwrap().steps.iter().any(|s| {
-        s.phase == phase && s.state == workflow::StepState::Running
-    })
+    w.cell
+        .job(w.now, job)
+        .unwrap()
+        .steps
+        .iter()
+        .any(|s| s.phase == phase && s.state == workflow::StepState::Running)
 }
 
 fn until(w: &mut World, job: Uuid, state: JobState) {
     let ok = w.run(400_000, |w| w.state(job) == state);
-    assert!(ok, "{:?} instead of {state:?}; {:?}\n{}", w.state(job), w.open_question(), w.story());
+    assert!(
+        ok,
+        "{:?} instead of {state:?}; {:?}\n{}",
+        w.state(job),
+        w.open_question(),
+        w.story()
+    );
 }
 
 fn until_asked(w: &mut World, fault: Fault) {
-    let ok = w.run(1_500_000, |w| w.open_question().is_some_and(|q| q.question.fault == fault));
+    let ok = w.run(1_500_000, |w| {
+        w.open_question().is_some_and(|q| q.question.fault == fault)
+    });
     assert!(ok, "no question about {fault:?}\n{}", w.story());
 }
 
 fn until_at(w: &mut World, job: Uuid, phase: Phase) {
-    assert!(w.run(120_000, |w| at(w, job, phase)), "never at {phase:?}\n{}", w.story());
+    assert!(
+        w.run(120_000, |w| at(w, job, phase)),
+        "never at {phase:?}\n{}",
+        w.story()
+    );
 }
 
 /// The arm is in the zone, moving to or at the mobile robot.
 fn until_in_zone(w: &mut World) {
-    assert!(w.run(120_000, |w| w.arm_inside(&w.arms["r1"])), "{}", w.story());
+    assert!(
+        w.run(120_000, |w| w.arm_inside(&w.arms["r1"])),
+        "{}",
+        w.story()
+    );
 }
 
 fn permit(w: &World) -> Permit {
@@ -120,15 +144,30 @@ fn f01_other(which: Which) {
     m1(&mut w).rejects = true;
     let mut job = if which == A { delivery() } else { pickup() };
     job.mobile_robot = None;
-    job.items = vec![if which == A { item(None, "s3", "rack/a") } else { item(None, "s3", "rack/c") }];
+    job.items = vec![if which == A {
+        item(None, "s3", "rack/a")
+    } else {
+        item(None, "s3", "rack/c")
+    }];
     if which == A {
-        let at = Location::MobileRobot { mobile_robot: "m2".into(), slot: "s3".into() };
+        let at = Location::MobileRobot {
+            mobile_robot: "m2".into(),
+            slot: "s3".into(),
+        };
         let _old = w.loads.insert("new".into(), at);
     }
     let job = w.create(job);
     w.complete(job);
-    assert_eq!(w.cell.job(w.now, job).unwrap().mobile_robot.as_deref(), Some("m2"));
-    assert!(m1(&mut w).got.iter().any(|m| matches!(m, Message::CancelOrder { .. })));
+    assert_eq!(
+        w.cell.job(w.now, job).unwrap().mobile_robot.as_deref(),
+        Some("m2")
+    );
+    assert!(
+        m1(&mut w)
+            .got
+            .iter()
+            .any(|m| matches!(m, Message::CancelOrder { .. }))
+    );
 }
 
 fn f02(which: Which) {
@@ -159,10 +198,16 @@ fn f02_a_prefetched_load_is_put_back_and_picked_again() {
     spec.prefetch = true;
     let job = w.create(spec);
     assert!(w.run(30_000, |w| w.arms["r1"].holds.is_some()));
-    let back = Location::Fixed { place: "rack/c".into() };
+    let back = Location::Fixed {
+        place: "rack/c".into(),
+    };
     assert!(w.run(200_000, |w| w.loads["P1"] == back), "{}", w.story());
     m1(&mut w).arrives = true;
-    assert!(w.run(900_000, |w| w.state(job) == JobState::Complete), "{}", w.story());
+    assert!(
+        w.run(900_000, |w| w.state(job) == JobState::Complete),
+        "{}",
+        w.story()
+    );
     w.judge_custody();
 }
 
@@ -171,7 +216,11 @@ fn f03(which: Which) {
     m1(&mut w).dock_error_mm = 50.0;
     let job = start(&mut w, which);
     until_asked(&mut w, Fault::DockFailed);
-    let retries = m1(&mut w).got.iter().filter(|m| **m == Message::Retry).count();
+    let retries = m1(&mut w)
+        .got
+        .iter()
+        .filter(|m| **m == Message::Retry)
+        .count();
     assert_eq!(retries, 2);
     assert!(m1(&mut w).got.contains(&Message::SkipRetry));
     assert!(!w.arms["r1"].asked.is_empty() && w.arms["r1"].moving.is_none());
@@ -184,7 +233,13 @@ fn f03(which: Which) {
         principal: operator(),
         reason: "looks fine".into(),
     });
-    assert!(matches!(refused, Err(Refusal::Forbidden { needed: Role::Integrator, .. })));
+    assert!(matches!(
+        refused,
+        Err(Refusal::Forbidden {
+            needed: Role::Integrator,
+            ..
+        })
+    ));
     w.answer(Answer::AcceptMeasured, Detail::None).unwrap();
     w.complete(job);
 }
@@ -229,7 +284,12 @@ fn f04_the_mobile_robot_can_be_sent_back_with_its_loads() {
     w.answer(Answer::SendBack, Detail::None).unwrap();
     until(&mut w, job, JobState::Stopped);
     assert!(w.cell.claims().is_empty());
-    assert!(m1(&mut w).got.iter().any(|m| matches!(m, Message::TransferFailed { .. })));
+    assert!(
+        m1(&mut w)
+            .got
+            .iter()
+            .any(|m| matches!(m, Message::TransferFailed { .. }))
+    );
 }
 
 #[test]
@@ -242,7 +302,12 @@ fn f04_a_placed_load_can_be_picked_up_again_b() {
     until(&mut w, job, JobState::Held);
     w.answer(Answer::Repick, Detail::None).unwrap();
     until(&mut w, job, JobState::Stopped);
-    assert_eq!(w.loads["P1"], Location::Fixed { place: "rack/c".into() });
+    assert_eq!(
+        w.loads["P1"],
+        Location::Fixed {
+            place: "rack/c".into()
+        }
+    );
     w.judge_custody();
 }
 
@@ -250,12 +315,22 @@ fn f04_a_placed_load_can_be_picked_up_again_b() {
 fn f05_an_occupied_slot_is_replaced_by_a_free_one_b() {
     let mut w = World::new();
     m1(&mut w).lies_slot = Some(("s3".into(), Some("ghost".into())));
-    let at = Location::MobileRobot { mobile_robot: "m1".into(), slot: "s2".into() };
+    let at = Location::MobileRobot {
+        mobile_robot: "m1".into(),
+        slot: "s2".into(),
+    };
     // L2 is gone, so that s2 is free.
-    let _old = w.loads.insert("L2".into(), Location::Fixed { place: "bin".into() });
+    let _old = w.loads.insert(
+        "L2".into(),
+        Location::Fixed {
+            place: "bin".into(),
+        },
+    );
     w.input(Input::SetCustody {
         load: "L2".into(),
-        location: Location::Fixed { place: "bin".into() },
+        location: Location::Fixed {
+            place: "bin".into(),
+        },
         confirm: "L2".into(),
         principal: operator(),
         reason: "taken off".into(),
@@ -285,8 +360,16 @@ fn f06(which: Which) {
     let job = start(&mut w, which);
     until(&mut w, job, JobState::Stopped);
     let view = w.cell.job(w.now, job).unwrap();
-    let note = view.faults.iter().find(|f| f.fault == Fault::Unreachable).unwrap();
-    assert!(note.text.contains(place) && note.text.contains("J5"), "{}", note.text);
+    let note = view
+        .faults
+        .iter()
+        .find(|f| f.fault == Fault::Unreachable)
+        .unwrap();
+    assert!(
+        note.text.contains(place) && note.text.contains("J5"),
+        "{}",
+        note.text
+    );
     assert!(w.mobiles["m1"].got.is_empty(), "nobody was called");
     assert!(w.cell.claims().is_empty());
 }
@@ -299,7 +382,12 @@ fn f06_an_alternate_place_is_taken_instead_a() {
     spec.items[0].alternates = vec!["rack/b".into()];
     let job = w.create(spec);
     w.complete(job);
-    assert_eq!(w.loads["L1"], Location::Fixed { place: "rack/b".into() });
+    assert_eq!(
+        w.loads["L1"],
+        Location::Fixed {
+            place: "rack/b".into()
+        }
+    );
 }
 
 fn f07(which: Which) {
@@ -310,7 +398,13 @@ fn f07(which: Which) {
     until_asked(&mut w, Fault::ControllerAlarm);
     until(&mut w, job, JobState::Held);
     assert_ne!(permit(&w), Permit::MrMove);
-    assert!(matches!(w.command(job, Command::Unhold), Err(Refusal::Conflict { .. })), "no way around the question");
+    assert!(
+        matches!(
+            w.command(job, Command::Unhold),
+            Err(Refusal::Conflict { .. })
+        ),
+        "no way around the question"
+    );
     w.answer(Answer::Replan, Detail::None).unwrap();
     w.complete(job);
 }
@@ -320,7 +414,11 @@ fn f08(which: Which) {
     let job = start(&mut w, which);
     until_in_zone(&mut w);
     r1(&mut w).doubt_next = true;
-    assert!(w.run(60_000, |w| has(w, job, Fault::NoAnswer)), "{}", w.story());
+    assert!(
+        w.run(60_000, |w| has(w, job, Fault::NoAnswer)),
+        "{}",
+        w.story()
+    );
     assert_eq!(permit(&w), Permit::None, "both permits 0");
     w.complete(job);
     assert!(w.asked.is_empty(), "the controller knew: nobody is asked");
@@ -333,7 +431,9 @@ fn f08_ask(which: Which) {
     (r1(&mut w).doubt_next, r1(&mut w).doubt_for_good) = (true, true);
     until_asked(&mut w, Fault::NoAnswer);
     let q = w.open_question().unwrap();
-    assert!(q.question.op.is_some() && !q.question.known.is_empty() && !q.question.unknown.is_empty());
+    assert!(
+        q.question.op.is_some() && !q.question.known.is_empty() && !q.question.unknown.is_empty()
+    );
     until(&mut w, job, JobState::Suspended);
     r1(&mut w).doubt_for_good = false;
     assert!(w.run(5_000, |w| w.arms["r1"].moving.is_none()));
@@ -357,7 +457,11 @@ fn f09_ask(which: Which) {
     let job = start(&mut w, which);
     until_asked(&mut w, Fault::LoadMismatch);
     until(&mut w, job, JobState::Held);
-    assert_eq!(w.arms["r1"].at, Some(workflow::Target::Safe), "it opened and left");
+    assert_eq!(
+        w.arms["r1"].at,
+        Some(workflow::Target::Safe),
+        "it opened and left"
+    );
     w.answer(Answer::Rescan, Detail::None).unwrap();
     w.complete(job);
 }
@@ -371,14 +475,34 @@ fn f10(which: Which) {
     let floor = Location::Unknown { arm: None };
     let _old = w.loads.insert(load.clone(), floor);
     until(&mut w, job, JobState::Aborted);
-    let booked = w.cell.custody().into_iter().find(|l| l.id == load).unwrap().load.location;
+    let booked = w
+        .cell
+        .custody()
+        .into_iter()
+        .find(|l| l.id == load)
+        .unwrap()
+        .load
+        .location;
     assert!(matches!(booked, Location::Unknown { .. }), "{booked}");
     assert!(w.command(job, Command::Clear).is_err(), "first the load");
-    let bin = Location::Fixed { place: "bin".into() };
+    let bin = Location::Fixed {
+        place: "bin".into(),
+    };
     let _old = w.loads.insert(load.clone(), bin.clone());
-    let wrong = Detail::Custody { load: load.clone(), confirm: "L9".into(), location: bin.clone() };
-    assert!(w.answer(Answer::SetCustody, wrong).is_err(), "two fields have to agree");
-    let right = Detail::Custody { load: load.clone(), confirm: load, location: bin };
+    let wrong = Detail::Custody {
+        load: load.clone(),
+        confirm: "L9".into(),
+        location: bin.clone(),
+    };
+    assert!(
+        w.answer(Answer::SetCustody, wrong).is_err(),
+        "two fields have to agree"
+    );
+    let right = Detail::Custody {
+        load: load.clone(),
+        confirm: load,
+        location: bin,
+    };
     w.answer(Answer::SetCustody, right).unwrap();
     w.command(job, Command::Clear).unwrap();
     until(&mut w, job, JobState::Stopped);
@@ -391,7 +515,10 @@ fn f10_release(which: Which) {
     let job = start(&mut w, which);
     until(&mut w, job, JobState::Aborted);
     assert!(has(&w, job, Fault::PartLost));
-    assert_eq!(w.open_question().unwrap().question.answers, [Answer::SetCustody]);
+    assert_eq!(
+        w.open_question().unwrap().question.answers,
+        [Answer::SetCustody]
+    );
 }
 
 fn f11(which: Which) {
@@ -409,7 +536,10 @@ fn f11(which: Which) {
     let stopped = w.log.iter().position(|l| l.contains("stop r1")).unwrap();
     let told = w.log.iter().position(|l| l.contains("StartPause")).unwrap();
     assert!(stopped < told, "the arm is safe before anybody is told");
-    assert!(!w.run(20_000, |w| w.state(job) != JobState::Aborted), "nothing goes on by itself");
+    assert!(
+        !w.run(20_000, |w| w.state(job) != JobState::Aborted),
+        "nothing goes on by itself"
+    );
     w.command(job, Command::Clear).unwrap();
     until(&mut w, job, JobState::Stopped);
 }
@@ -422,12 +552,18 @@ fn f12(which: Which) {
     let ok = w.run(20_000, |w| has(w, job, Fault::HeartbeatLost));
     assert!(ok, "{}", w.story());
     assert_eq!(permit(&w), Permit::None);
-    let out = w.run(10_000, |w| !w.arm_inside(&w.arms["r1"]) && w.arms["r1"].moving.is_none());
+    let out = w.run(10_000, |w| {
+        !w.arm_inside(&w.arms["r1"]) && w.arms["r1"].moving.is_none()
+    });
     assert!(out, "the arm leaves the zone\n{}", w.story());
     until(&mut w, job, JobState::Suspended);
     m1(&mut w).beats = true;
     w.complete(job);
-    let question = w.cell.interventions().into_iter().find(|i| i.question.fault == Fault::HeartbeatLost);
+    let question = w
+        .cell
+        .interventions()
+        .into_iter()
+        .find(|i| i.question.fault == Fault::HeartbeatLost);
     assert!(question.unwrap().withdrawn.is_some());
 }
 
@@ -439,8 +575,16 @@ fn f13(which: Which) {
     w.say("m1", SignalKind::MrMode);
     until(&mut w, job, JobState::Suspended);
     assert_eq!(permit(&w), Permit::None);
-    assert!(w.run(10_000, |w| !w.arm_inside(&w.arms["r1"])), "{}", w.story());
-    assert!(!w.run(10_000, |w| w.state(job) == JobState::Execute), "{}", w.story());
+    assert!(
+        w.run(10_000, |w| !w.arm_inside(&w.arms["r1"])),
+        "{}",
+        w.story()
+    );
+    assert!(
+        !w.run(10_000, |w| w.state(job) == JobState::Execute),
+        "{}",
+        w.story()
+    );
     m1(&mut w).state.mode = MobileMode::Automatic;
     w.say("m1", SignalKind::MrMode);
     w.complete(job);
@@ -466,7 +610,10 @@ fn f14(which: Which) {
     until(&mut w, job, JobState::Held);
     assert_eq!(permit(&w), Permit::None);
     r1(&mut w).safety = Safety::Normal;
-    assert!(!w.run(20_000, |w| w.state(job) != JobState::Held), "no automatic resume");
+    assert!(
+        !w.run(20_000, |w| w.state(job) != JobState::Held),
+        "no automatic resume"
+    );
     w.command(job, Command::Unhold).unwrap();
     w.complete(job);
 }
@@ -491,7 +638,12 @@ fn f16(which: Which) {
     assert!(w.run(5_000, |w| w.arms["r1"].moving.is_some()));
     w.command(job, Command::Stop).unwrap();
     until(&mut w, job, JobState::Stopped);
-    assert!(w.run(30_000, |w| w.cell.claims().is_empty()), "{:?}\n{}", w.cell.claims(), w.story());
+    assert!(
+        w.run(30_000, |w| w.cell.claims().is_empty()),
+        "{:?}\n{}",
+        w.cell.claims(),
+        w.story()
+    );
     assert_eq!(w.arms["r1"].at, Some(workflow::Target::Safe));
     assert!(w.mobiles["m1"].state.at_point.is_none());
     w.judge_custody();
@@ -508,12 +660,21 @@ fn f16_a_cancel_before_the_mobile_robot_came_takes_the_order_back() {
     until(&mut w, job, JobState::Suspended);
     w.command(job, Command::Stop).unwrap();
     until(&mut w, job, JobState::Stopped);
-    assert!(m1(&mut w).got.iter().any(|m| matches!(m, Message::CancelOrder { .. })));
+    assert!(
+        m1(&mut w)
+            .got
+            .iter()
+            .any(|m| matches!(m, Message::CancelOrder { .. }))
+    );
     assert!(w.cell.claims().is_empty());
 }
 
 fn f17(which: Which) {
-    for policy in [OnCancel::Complete, OnCancel::ReturnToMr, OnCancel::RejectBin] {
+    for policy in [
+        OnCancel::Complete,
+        OnCancel::ReturnToMr,
+        OnCancel::RejectBin,
+    ] {
         let mut w = World::new();
         let mut spec = if which == A { delivery() } else { pickup() };
         (spec.on_cancel_with_load, spec.reject_slot) = (policy, Some("bin".into()));
@@ -523,15 +684,23 @@ fn f17(which: Which) {
         w.command(job, Command::Stop).unwrap();
         until(&mut w, job, JobState::Stopped);
         let expected = match (which, policy) {
-            (_, OnCancel::RejectBin) => Location::Fixed { place: "bin".into() },
-            (Workflow::DeliveryAndPlacement, OnCancel::Complete) => Location::Fixed { place: "rack/a".into() },
-            (Workflow::PickupAndDelivery, OnCancel::ReturnToMr) => Location::Fixed { place: "rack/c".into() },
-            (Workflow::DeliveryAndPlacement, _) => {
-                Location::MobileRobot { mobile_robot: "m1".into(), slot: "s1".into() }
-            }
-            (Workflow::PickupAndDelivery, _) => {
-                Location::MobileRobot { mobile_robot: "m1".into(), slot: "s3".into() }
-            }
+            (_, OnCancel::RejectBin) => Location::Fixed {
+                place: "bin".into(),
+            },
+            (Workflow::DeliveryAndPlacement, OnCancel::Complete) => Location::Fixed {
+                place: "rack/a".into(),
+            },
+            (Workflow::PickupAndDelivery, OnCancel::ReturnToMr) => Location::Fixed {
+                place: "rack/c".into(),
+            },
+            (Workflow::DeliveryAndPlacement, _) => Location::MobileRobot {
+                mobile_robot: "m1".into(),
+                slot: "s1".into(),
+            },
+            (Workflow::PickupAndDelivery, _) => Location::MobileRobot {
+                mobile_robot: "m1".into(),
+                slot: "s3".into(),
+            },
         };
         assert_eq!(w.loads[load], expected, "{policy:?}\n{}", w.story());
         w.judge_custody();
@@ -553,7 +722,9 @@ fn f17_ask(which: Which) {
 
 /// The target is taken by hand while the load is on its way.
 fn block(w: &mut World, place: &str) {
-    let at = Location::Fixed { place: place.into() };
+    let at = Location::Fixed {
+        place: place.into(),
+    };
     let _old = w.loads.insert("P2".into(), at.clone());
     w.input(Input::SetCustody {
         load: "P2".into(),
@@ -575,7 +746,12 @@ fn f18_a_blocked_target_waits_until_it_is_free_a() {
     until(&mut w, job, JobState::Suspended);
     block(&mut w, "rack/b");
     w.complete(job);
-    assert_eq!(w.loads["L1"], Location::Fixed { place: "rack/a".into() });
+    assert_eq!(
+        w.loads["L1"],
+        Location::Fixed {
+            place: "rack/a".into()
+        }
+    );
 }
 
 #[test]
@@ -592,10 +768,21 @@ fn f18_a_blocked_target_is_replaced_by_an_alternate_or_an_answer_a() {
         if !alternate {
             until_asked(&mut w, Fault::TargetBlocked);
             until(&mut w, job, JobState::Suspended);
-            w.answer(Answer::ChooseSlot, Detail::Place { place: "rack/b".into() }).unwrap();
+            w.answer(
+                Answer::ChooseSlot,
+                Detail::Place {
+                    place: "rack/b".into(),
+                },
+            )
+            .unwrap();
         }
         w.complete(job);
-        assert_eq!(w.loads["L1"], Location::Fixed { place: "rack/b".into() });
+        assert_eq!(
+            w.loads["L1"],
+            Location::Fixed {
+                place: "rack/b".into()
+            }
+        );
     }
 }
 
@@ -604,7 +791,10 @@ fn f18_a_slot_that_is_taken_during_the_approach_is_asked_about_b() {
     let mut w = World::new();
     let job = start(&mut w, B);
     until_at(&mut w, job, Phase::Grip);
-    let at = Location::MobileRobot { mobile_robot: "m1".into(), slot: "s3".into() };
+    let at = Location::MobileRobot {
+        mobile_robot: "m1".into(),
+        slot: "s3".into(),
+    };
     w.input(Input::SetCustody {
         load: "P2".into(),
         location: at,
@@ -617,7 +807,12 @@ fn f18_a_slot_that_is_taken_during_the_approach_is_asked_about_b() {
     until(&mut w, job, JobState::Suspended);
     w.answer(Answer::PutBack, Detail::None).unwrap();
     until(&mut w, job, JobState::Stopped);
-    assert_eq!(w.loads["P1"], Location::Fixed { place: "rack/c".into() });
+    assert_eq!(
+        w.loads["P1"],
+        Location::Fixed {
+            place: "rack/c".into()
+        }
+    );
 }
 
 fn f19(which: Which) {
@@ -625,17 +820,28 @@ fn f19(which: Which) {
     m1(&mut w).leaves = false;
     let job = start(&mut w, which);
     until_asked(&mut w, Fault::DoesNotLeave);
-    let grants = m1(&mut w).got.iter().filter(|m| **m == Message::ExitGranted).count();
+    let grants = m1(&mut w)
+        .got
+        .iter()
+        .filter(|m| **m == Message::ExitGranted)
+        .count();
     assert_eq!(grants, 4, "once and three times again");
     if which == A {
         until(&mut w, job, JobState::Complete);
     }
     let held: Vec<_> = w.cell.claims();
-    assert!(held.iter().any(|c| c.resource == workflow::Resource::Point(world::POINT.into())));
+    assert!(
+        held.iter()
+            .any(|c| c.resource == workflow::Resource::Point(world::POINT.into()))
+    );
     m1(&mut w).leaves = true;
     w.answer(Answer::Retry, Detail::None).unwrap();
     w.complete(job);
-    assert!(w.run(30_000, |w| w.cell.claims().is_empty()), "{}", w.story());
+    assert!(
+        w.run(30_000, |w| w.cell.claims().is_empty()),
+        "{}",
+        w.story()
+    );
 }
 
 #[test]
@@ -647,8 +853,18 @@ fn f20_a_failed_transport_is_sent_again_then_asked_b() {
     let job = w.create(spec);
     until_asked(&mut w, Fault::TransportFailed);
     until(&mut w, job, JobState::Suspended);
-    assert!(!w.cell.claims().iter().any(|c| matches!(c.resource, workflow::Resource::Point(_))));
-    let _old = w.loads.insert("P1".into(), Location::Delivered { destination: "warehouse".into() });
+    assert!(
+        !w.cell
+            .claims()
+            .iter()
+            .any(|c| matches!(c.resource, workflow::Resource::Point(_)))
+    );
+    let _old = w.loads.insert(
+        "P1".into(),
+        Location::Delivered {
+            destination: "warehouse".into(),
+        },
+    );
     w.answer(Answer::MarkDelivered, Detail::None).unwrap();
     w.complete(job);
 }
@@ -663,7 +879,13 @@ fn f21(which: Which) {
         }
         w.crash();
         let ok = w.run(200_000, |w| w.state(job) == JobState::Complete);
-        assert!(ok, "crash at tick {at}: {:?} {:?}\n{}", w.state(job), w.open_question(), w.story());
+        assert!(
+            ok,
+            "crash at tick {at}: {:?} {:?}\n{}",
+            w.state(job),
+            w.open_question(),
+            w.story()
+        );
         w.judge_custody();
     }
 }
@@ -678,7 +900,10 @@ fn f21_an_interrupted_grip_is_never_guessed() {
     until_asked(&mut w, Fault::NoAnswer);
     let q = w.open_question().unwrap();
     assert!(q.question.answers.contains(&Answer::Happened));
-    assert!(!q.question.answers.contains(&Answer::Replan), "a grip is not simply done again");
+    assert!(
+        !q.question.answers.contains(&Answer::Replan),
+        "a grip is not simply done again"
+    );
     w.answer(Answer::Happened, Detail::None).unwrap();
     r1(&mut w).doubt_for_good = false;
     w.complete(job);
@@ -688,10 +913,16 @@ fn f22(which: Which) {
     let mut w = World::new();
     let job = start(&mut w, which);
     until_in_zone(&mut w);
-    w.input(Input::Control { jobs_may_act: false }).unwrap();
+    w.input(Input::Control {
+        jobs_may_act: false,
+    })
+    .unwrap();
     until(&mut w, job, JobState::Held);
     assert!(has(&w, job, Fault::ControlLost));
-    assert!(w.command(job, Command::Unhold).is_err(), "control has to come back first");
+    assert!(
+        w.command(job, Command::Unhold).is_err(),
+        "control has to come back first"
+    );
     w.input(Input::Control { jobs_may_act: true }).unwrap();
     assert!(!w.run(10_000, |w| w.state(job) != JobState::Held));
     w.command(job, Command::Unhold).unwrap();
@@ -703,7 +934,10 @@ fn f23(which: Which) {
     (w.odds.duplicated, w.odds.reordered) = (700, 500);
     let job = start(&mut w, which);
     w.complete(job);
-    let duplicates = w.answers.iter().filter(|(_, a)| *a == SignalAnswer::Accepted { duplicate: true });
+    let duplicates = w
+        .answers
+        .iter()
+        .filter(|(_, a)| *a == SignalAnswer::Accepted { duplicate: true });
     assert!(duplicates.count() > 3);
     // A stale one: closed sessions are gone, and nothing happens.
     let session = w.cell.sessions(w.now)[0].id;
@@ -713,31 +947,43 @@ fn f23(which: Which) {
     assert!(w.run(5_000, |w| w.mobiles["m1"].sending.is_empty()));
     w.say("m1", SignalKind::MrDocked);
     assert!(w.run(5_000, |w| w.mobiles["m1"].sending.is_empty()));
-    let (_, last) = w.answers.iter().rev().find(|(k, _)| *k == SignalKind::MrDocked).unwrap();
+    let (_, last) = w
+        .answers
+        .iter()
+        .rev()
+        .find(|(k, _)| *k == SignalKind::MrDocked)
+        .unwrap();
     assert!(matches!(last, SignalAnswer::Closed { .. }), "{last:?}");
 }
 
 #[test]
 fn f23_a_gap_is_refused_with_what_was_expected() {
     let mut w = World::new();
-    assert!(w.run(5_000, |w| w.mobiles["m1"].seq > 2 && w.mobiles["m1"].sending.is_empty()));
+    assert!(w.run(5_000, |w| w.mobiles["m1"].seq > 2
+        && w.mobiles["m1"].sending.is_empty()));
     w.say("m1", SignalKind::LoadChanged);
     let mut signal = m1(&mut w).sending.pop_front().unwrap();
     let expected = signal.seq;
     signal.seq += 5;
-    let Ok(Reply::Signal(SignalAnswer::Conflict { expected: e, got, .. })) =
-        w.input(Input::Signal(Box::new(signal.clone())))
+    let Ok(Reply::Signal(SignalAnswer::Conflict {
+        expected: e, got, ..
+    })) = w.input(Input::Signal(Box::new(signal.clone())))
     else {
         panic!("accepted")
     };
-    assert!(e.contains(&format!("seq {expected}")) && got.contains(&format!("seq {}", expected + 5)));
+    assert!(
+        e.contains(&format!("seq {expected}")) && got.contains(&format!("seq {}", expected + 5))
+    );
     // Next but one: parked, and acted on when its predecessor comes.
     signal.seq = expected + 1;
     let parked = w.input(Input::Signal(Box::new(signal.clone()))).unwrap();
     assert_eq!(parked, Reply::Signal(SignalAnswer::Parked));
     signal.seq = expected;
     let first = w.input(Input::Signal(Box::new(signal))).unwrap();
-    assert_eq!(first, Reply::Signal(SignalAnswer::Accepted { duplicate: false }));
+    assert_eq!(
+        first,
+        Reply::Signal(SignalAnswer::Accepted { duplicate: false })
+    );
     assert_eq!(w.cell.mobile_robots()[0].last_seq, expected + 1);
 }
 
@@ -747,7 +993,9 @@ fn f24(which: Which) {
     until_in_zone(&mut w);
     w.input(Input::Journal { writable: false }).unwrap();
     let before = w.journal.len();
-    let refused = w.input(Input::CreateJob { job: Box::new(delivery()) });
+    let refused = w.input(Input::CreateJob {
+        job: Box::new(delivery()),
+    });
     assert_eq!(refused, Err(Refusal::JournalUnavailable));
     assert_eq!(w.journal.len(), before);
     w.input(Input::Journal { writable: true }).unwrap();

@@ -1,6 +1,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use jiff::Timestamp;
 use tokio::time::Instant;
 use workflow::Millis;
 
@@ -23,6 +24,39 @@ impl CellClock {
             started_at: Millis::try_from(wall.now().as_millisecond()).unwrap_or(0),
             scale,
         }
+    }
+
+    /// The cell's time at a time of the world, given the world's present time.
+    ///
+    /// The two clocks are compared now, so that a wall clock that was set since the start does no harm. What is
+    /// before the cell's beginning is 0.
+    pub(crate) fn at(&self, wall_now: Timestamp, then: Timestamp) -> Millis {
+        let ahead = then.duration_since(wall_now).as_secs_f64() * 1_000.0 * self.scale;
+        #[expect(
+            clippy::cast_precision_loss,
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "milliseconds since 1970 fit many times, and a cast saturates"
+        )]
+        let at = (self.now() as f64 + ahead).round() as Millis;
+        at
+    }
+
+    /// The world's time at a time of the cell, to the second: the clocks are compared anew each time.
+    pub(crate) fn wall_at(&self, wall_now: Timestamp, then: Millis) -> Timestamp {
+        #[expect(
+            clippy::cast_precision_loss,
+            reason = "milliseconds since 1970 fit many times"
+        )]
+        let ahead = (then as f64 - self.now() as f64) / self.scale;
+        #[expect(clippy::cast_possible_truncation, reason = "a cast saturates")]
+        let at = wall_now.as_millisecond().saturating_add(ahead as i64);
+        let seconds = at.saturating_add(500).div_euclid(1_000);
+        Timestamp::from_second(seconds).unwrap_or(if seconds < 0 {
+            Timestamp::MIN
+        } else {
+            Timestamp::MAX
+        })
     }
 
     pub(crate) fn now(&self) -> Millis {
@@ -51,6 +85,25 @@ mod tests {
     impl WallClock for At {
         fn now(&self) -> Timestamp {
             Timestamp::from_millisecond(self.0).unwrap()
+        }
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn a_deadline_of_the_world_comes_back_as_it_was_said() {
+        let wall: Arc<dyn WallClock> = Arc::new(At(1_000_000));
+        for scale in [1.0, 7.0] {
+            let clock = CellClock::new(&wall, scale);
+            tokio::time::advance(Duration::from_millis(12_345)).await;
+            // Meanwhile somebody has set the wall clock an hour ahead.
+            let now = Timestamp::from_millisecond(1_000_000 + 12_345 + 3_600_000).unwrap();
+            let deadline = Timestamp::from_second(now.as_second() + 90).unwrap();
+            let at = clock.at(now, deadline);
+            let ahead = (at - clock.now()).abs_diff((90_000.0 * scale) as u64);
+            assert!(ahead <= (1_000.0 * scale) as u64, "{ahead} ms at scale {scale}");
+            assert_eq!(clock.wall_at(now, at), deadline);
+            assert_eq!(clock.at(now, Timestamp::MIN), 0);
+            assert!(clock.at(now, Timestamp::MAX) > at);
+            assert_eq!(clock.wall_at(now, Millis::MAX), Timestamp::MAX);
         }
     }
 

@@ -2,7 +2,8 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::time::Duration;
 
-use journal::{CellDecided, Position, ReadError, Record};
+use jiff::Timestamp;
+use journal::{Appended, CellDecided, Claim, LookupError, Position, ReadError, Record, Replay};
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
 use tokio::time::Instant;
@@ -13,10 +14,12 @@ use workflow::{Cell, Effect, Fact, Input, Reply, Setup};
 
 use super::arm::{ArmPort, Operation};
 use super::clock::CellClock;
-use super::handle::{Ask, CellHandle, Refused};
+use super::handle::{Ask, CellHandle, Refused, Told};
 use super::ids::Ids;
+use super::places::Places;
+use super::told::TellTimes;
 use crate::clock::WallClock;
-use crate::journal::SharedJournal;
+use crate::journal::{SharedJournal, Trouble};
 
 /// Inputs that may wait. An arm has one operation at a time and is looked at a few times a second, so this only fills
 /// if the journal stands still.
@@ -55,7 +58,9 @@ pub enum StartError {
 #[derive(Debug)]
 pub(crate) struct Recovered {
     cell: Cell,
-    /// Jobs that were running.
+    told: TellTimes,
+    places: Places,
+    /// How many decisions were read.
     pub(crate) decisions: usize,
 }
 
@@ -68,8 +73,11 @@ impl Recovered {
         id: &str,
         setup: Setup,
         journal: &SharedJournal,
+        now: Timestamp,
     ) -> Result<Self, StartError> {
         let mut cell = Cell::new(setup);
+        let told = TellTimes::of(journal, now);
+        let places = Places::default();
         let (mut after, mut decisions) = (Position::default(), 0);
         loop {
             let page = journal.decided(id, after, PAGE).await;
@@ -90,12 +98,23 @@ impl Recovered {
                         source,
                     }
                 })?;
+                places.note(after, facts.iter());
                 for fact in &facts {
                     cell.replay(fact);
+                    if let Fact::Told { mobile_robot, .. } = fact
+                        && let Some(last) = cell.outbox(mobile_robot, 0).last()
+                    {
+                        told.note(mobile_robot, last.n, stored.at.wall);
+                    }
                 }
             }
             if page.len() < PAGE {
-                return Ok(Self { cell, decisions });
+                return Ok(Self {
+                    cell,
+                    told,
+                    places,
+                    decisions,
+                });
             }
         }
     }
@@ -117,14 +136,23 @@ impl Driver {
     pub(crate) fn spawn(self, recovered: Recovered) -> CellHandle {
         let (asks, asked) = mpsc::channel(WAITING);
         let view = watch::Sender::new(Arc::new(recovered.cell.clone()));
-        let handle = CellHandle::new(asks.clone(), view.subscribe());
+        let places = recovered.places;
+        let handle = CellHandle::new(
+            asks.clone(),
+            view.subscribe(),
+            self.clock.clone(),
+            places.clone(),
+            recovered.told.clone(),
+        );
         let ids = Ids::new(Arc::clone(&self.wall));
         let tracker = self.tracker.clone();
         let task = Task {
             cell: recovered.cell,
+            told: recovered.told,
             driver: self,
             ids,
             view,
+            places,
             asks: asks.downgrade(),
             unkept: VecDeque::new(),
             writable: true,
@@ -136,9 +164,11 @@ impl Driver {
 
 struct Task {
     cell: Cell,
+    told: TellTimes,
     driver: Driver,
     ids: Ids,
     view: watch::Sender<Arc<Cell>>,
+    places: Places,
     asks: mpsc::WeakSender<Ask>,
     /// What happened and could not be kept yet. It did happen, so it is not forgotten.
     unkept: VecDeque<Input>,
@@ -165,13 +195,18 @@ impl Task {
                     continue;
                 }
             };
-            let Some(Ask { input, answer }) = ask else {
+            let Some(Ask {
+                input,
+                claim,
+                answer,
+            }) = ask
+            else {
                 break;
             };
             match answer {
                 None => self.happened(input).await,
                 Some(answer) => {
-                    let answered = self.decide(&input).await;
+                    let answered = self.asked(&input, claim).await;
                     if answer.send(answered).is_err() {
                         tracing::debug!("the caller went away before its answer");
                     }
@@ -210,7 +245,7 @@ impl Task {
 
     /// Something happened, whoever likes it or not. What cannot be kept now is kept later.
     async fn happened(&mut self, input: Input) {
-        match self.decide(&input).await {
+        match self.decide(&input, None).await {
             Ok(_) => {}
             Err(Refused::NotKept(trouble)) => {
                 // A timer fires again, and an arm is looked at again, by themselves.
@@ -226,8 +261,26 @@ impl Task {
         }
     }
 
+    /// Somebody asks, with a key or without.
+    async fn asked(&mut self, input: &Input, claim: Option<Claim>) -> Result<Told, Refused> {
+        if let Some(claim) = &claim {
+            let now = self.driver.wall.now();
+            match self.driver.journal.lookup(claim, now).await {
+                Ok(None) => {}
+                Ok(Some(replay)) => return Ok(told_before(&replay)),
+                Err(LookupError::Refused(refusal)) => {
+                    return Err(Refused::NotKept(Trouble::Refused(refusal)));
+                }
+                Err(error @ LookupError::Read(_)) => {
+                    return Err(Refused::NotKept(Trouble::Unavailable(error.to_string())));
+                }
+            }
+        }
+        self.decide(input, claim).await
+    }
+
     /// Decides, keeps, applies, and sets off what follows: in this order.
-    async fn decide(&mut self, input: &Input) -> Result<Reply, Refused> {
+    async fn decide(&mut self, input: &Input, claim: Option<Claim>) -> Result<Told, Refused> {
         let now = self.driver.clock.now();
         let decision = self
             .cell
@@ -238,8 +291,10 @@ impl Task {
             .iter()
             .filter(|fact| fact.is_durable())
             .collect();
-        if !durable.is_empty() {
-            self.keep(&durable).await?;
+        if !durable.is_empty()
+            && let Some(replay) = self.keep(&durable, claim).await?
+        {
+            return Ok(told_before(&replay));
         }
         for fact in &decision.facts {
             for effect in self.cell.apply(self.driver.clock.now(), fact) {
@@ -247,28 +302,48 @@ impl Task {
             }
         }
         let _before = self.view.send_replace(Arc::new(self.cell.clone()));
-        Ok(decision.reply)
+        Ok(Told {
+            reply: decision.reply,
+            replayed: false,
+        })
     }
 
-    async fn keep(&mut self, facts: &[&Fact]) -> Result<(), Refused> {
-        let facts = serde_json::to_string(facts).unwrap_or_else(|error| {
+    /// Keeps a decision, unless its key stands for an earlier one.
+    async fn keep(
+        &mut self,
+        facts: &[&Fact],
+        claim: Option<Claim>,
+    ) -> Result<Option<Box<Replay>>, Refused> {
+        let text = serde_json::to_string(facts).unwrap_or_else(|error| {
             unreachable!("facts are plain data and always have a JSON form: {error}")
         });
         let decided = CellDecided {
             cell: self.driver.id.clone(),
-            facts,
+            facts: text,
+            claim,
         };
         let kept = self
             .driver
             .journal
             .decide_cell(self.driver.wall.now(), decided)
             .await;
-        let writable = kept.is_ok();
+        // A record that breaks a rule says nothing about the journal.
+        let writable = !matches!(
+            kept,
+            Err(Trouble::Full(_) | Trouble::Busy(_) | Trouble::Unavailable(_))
+        );
         if writable != self.writable {
             self.writable = writable;
             self.tell_journal(writable);
         }
-        kept.map(|_| ()).map_err(Refused::NotKept)
+        match kept.map_err(Refused::NotKept)? {
+            Appended::New(receipt) => {
+                let position = receipt.head.position;
+                self.places.note(position, facts.iter().copied());
+                Ok(None)
+            }
+            Appended::Replayed(replay) => Ok(Some(replay)),
+        }
     }
 
     /// The cell knows whether the journal can be written. That itself is nothing to keep.
@@ -307,12 +382,16 @@ impl Task {
             Effect::Tell {
                 mobile_robot,
                 message,
-            } => tracing::info!(
-                cell.id = self.driver.id,
-                mobile_robot.id = mobile_robot,
-                n = message.n,
-                "a message for a mobile robot"
-            ),
+            } => {
+                self.told
+                    .note(&mobile_robot, message.n, self.driver.wall.now());
+                tracing::info!(
+                    cell.id = self.driver.id,
+                    mobile_robot.id = mobile_robot,
+                    n = message.n,
+                    "a message for a mobile robot"
+                );
+            }
             Effect::Ask { intervention } => tracing::warn!(
                 cell.id = self.driver.id,
                 %intervention,
@@ -353,12 +432,12 @@ impl Task {
             let result = ends.await;
             if let Some(asks) = asks.upgrade() {
                 let input = Input::OperationEnded { op, result };
-                let _stopping = asks
-                    .send(Ask {
-                        input,
-                        answer: None,
-                    })
-                    .await;
+                let ask = Ask {
+                    input,
+                    claim: None,
+                    answer: None,
+                };
+                let _stopping = asks.send(ask).await;
             }
         }));
     }
@@ -368,9 +447,28 @@ impl Task {
             // Only an estimate: where there is no room for it, the cell's own default holds.
             let _full = asks.try_send(Ask {
                 input,
+                claim: None,
                 answer: None,
             });
         }
+    }
+}
+
+/// What the key's first request was answered with. A decision that made no job had nothing more to tell.
+fn told_before(replay: &Replay) -> Told {
+    let job = match &replay.first.record {
+        Record::CellDecided(decided) => serde_json::from_str::<Vec<Fact>>(&decided.facts)
+            .unwrap_or_default()
+            .into_iter()
+            .find_map(|fact| match fact {
+                Fact::JobCreated { job, .. } => Some(job),
+                _ => None,
+            }),
+        _ => None,
+    };
+    Told {
+        reply: job.map_or(Reply::Unchanged, Reply::Created),
+        replayed: true,
     }
 }
 
@@ -384,6 +482,7 @@ async fn follow(
         let now = seen.borrow_and_update().clone();
         let ask = Ask {
             input: Input::ArmObserved(now),
+            claim: None,
             answer: None,
         };
         if asks.send(ask).await.is_err() {

@@ -1,8 +1,13 @@
 use std::sync::Arc;
 
+use journal::Claim;
 use tokio::sync::{mpsc, oneshot, watch};
+use uuid::Uuid;
 use workflow::{Cell, Input, Refusal, Reply};
 
+use super::clock::CellClock;
+use super::places::{Places, Span};
+use super::told::TellTimes;
 use crate::journal::Trouble;
 
 /// A way to a cell's driver.
@@ -10,14 +15,27 @@ use crate::journal::Trouble;
 pub(crate) struct CellHandle {
     asks: mpsc::Sender<Ask>,
     view: watch::Receiver<Arc<Cell>>,
+    clock: CellClock,
+    places: Places,
+    pub(super) told: TellTimes,
 }
 
 /// Something for the driver.
 #[derive(Debug)]
 pub(super) struct Ask {
     pub(super) input: Input,
+    /// The caller's key: asked with it again, the cell does nothing and says so.
+    pub(super) claim: Option<Claim>,
     /// Absent where nobody waits: an arm was looked at, an operation ended.
-    pub(super) answer: Option<oneshot::Sender<Result<Reply, Refused>>>,
+    pub(super) answer: Option<oneshot::Sender<Result<Told, Refused>>>,
+}
+
+/// What a caller is told.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub(crate) struct Told {
+    pub(crate) reply: Reply,
+    /// The key stands for an earlier request, and nothing was done this time.
+    pub(crate) replayed: bool,
 }
 
 /// Why an input had no effect.
@@ -34,15 +52,38 @@ pub(crate) enum Refused {
 }
 
 impl CellHandle {
-    pub(super) fn new(asks: mpsc::Sender<Ask>, view: watch::Receiver<Arc<Cell>>) -> Self {
-        Self { asks, view }
+    pub(super) fn new(
+        asks: mpsc::Sender<Ask>,
+        view: watch::Receiver<Arc<Cell>>,
+        clock: CellClock,
+        places: Places,
+        told: TellTimes,
+    ) -> Self {
+        Self {
+            asks,
+            view,
+            clock,
+            places,
+            told,
+        }
     }
 
     /// Asks the cell for something. When this returns `Ok`, it is durable.
     pub(crate) async fn ask(&self, input: Input) -> Result<Reply, Refused> {
+        self.put(input, None).await.map(|told| told.reply)
+    }
+
+    /// Asks the cell for something under a key, which is kept in the same record as what follows from it. Asked with
+    /// the same key and body again, over a restart too, nothing is done and the earlier reply comes back.
+    pub(crate) async fn ask_with(&self, input: Input, claim: Claim) -> Result<Told, Refused> {
+        self.put(input, Some(claim)).await
+    }
+
+    async fn put(&self, input: Input, claim: Option<Claim>) -> Result<Told, Refused> {
         let (answer, answered) = oneshot::channel();
         let ask = Ask {
             input,
+            claim,
             answer: Some(answer),
         };
         self.asks.try_send(ask).map_err(|error| match error {
@@ -50,6 +91,16 @@ impl CellHandle {
             mpsc::error::TrySendError::Closed(_) => Refused::Stopping,
         })?;
         answered.await.unwrap_or(Err(Refused::Stopping))
+    }
+
+    /// The cell's clock, which its deadlines and timers are on.
+    pub(crate) fn clock(&self) -> &CellClock {
+        &self.clock
+    }
+
+    /// Where in the journal a job's facts are.
+    pub(crate) fn span(&self, job: Uuid) -> Option<Span> {
+        self.places.of(job)
     }
 
     /// The cell as it is now.

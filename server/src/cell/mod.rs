@@ -16,8 +16,13 @@ mod handle;
 mod ids;
 mod motion_arm;
 mod observe;
+mod outbox;
+mod places;
 mod start;
+mod told;
 
 pub use driver::StartError;
-pub(crate) use handle::{CellHandle, Refused};
+pub(crate) use handle::{CellHandle, Refused, Told};
+pub(crate) use outbox::Outboxes;
+pub(crate) use places::Span;
 pub(crate) use start::Parts;

@@ -10,6 +10,7 @@ mod interventions;
 mod kinematics;
 mod legacy;
 mod legacy_error;
+mod mobile_robots;
 mod motion_body;
 mod motion_control;
 mod motions;
@@ -64,6 +65,8 @@ pub(crate) fn documented() -> OpenApiRouter<Arc<App>> {
             motion_control::get_speed_override,
             motion_control::put_speed_override
         ))
+        .routes(routes!(mobile_robots::post_signal))
+        .routes(routes!(mobile_robots::get_outbox))
         .routes(routes!(interventions::list_interventions))
         .routes(routes!(interventions::get_intervention))
         .routes(routes!(interventions::respond))

@@ -79,6 +79,8 @@ DELETE /api/v1/cells/{cell}/setup/routes/{route}                    I
 GET    /api/v1/cells/{cell}/setup/loads/{load}                      VOIA
 PUT    /api/v1/cells/{cell}/setup/loads/{load}                      I
 DELETE /api/v1/cells/{cell}/setup/loads/{load}                      I
+POST   /api/v1/cells/{cell}/mobile-robots/{mobile_robot}/signals     OI
+GET    /api/v1/cells/{cell}/mobile-robots/{mobile_robot}/outbox      OI
 POST   /fanuc/move                                                   OI
 POST   /fanuc/home                                                   OI
 POST   /fanuc/delta                                                  OI

@@ -139,6 +139,7 @@ impl Record {
         match self {
             Self::Intent(intent) => intent.claim.as_ref(),
             Self::JobCreated(created) => created.claim.as_ref(),
+            Self::CellDecided(decided) => decided.claim.as_ref(),
             Self::ServerStarted(_)
             | Self::Accepted(_)
             | Self::Outcome(_)
@@ -146,8 +147,7 @@ impl Record {
             | Self::JobEnded(_)
             | Self::SignalReceived(_)
             | Self::Decision(_)
-            | Self::Audit(_)
-            | Self::CellDecided(_) => None,
+            | Self::Audit(_) => None,
         }
     }
 }

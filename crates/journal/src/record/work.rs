@@ -173,6 +173,9 @@ pub struct CellDecided {
     pub cell: String,
     /// The facts, JSON as text. The journal does not look into it.
     pub facts: String,
+    /// The key of the request that led to them, where it has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub claim: Option<Claim>,
 }
 
 /// Someone did, or tried to do, something.
