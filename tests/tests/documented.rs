@@ -139,8 +139,8 @@ async fn the_examples_of_the_openapi_document_work_when_they_are_tried() -> anyh
             let Some(path) = filled(path, operation) else {
                 continue;
             };
-            // In a demo there are none.
-            if path.starts_with("/api/v1/tokens") {
+            // In a demo there are no tokens, and the set-up of this cell is empty.
+            if path.starts_with("/api/v1/tokens") || path.contains("/setup/") {
                 continue;
             }
             let method: Method = method.to_uppercase().parse()?;

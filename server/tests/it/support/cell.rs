@@ -87,7 +87,7 @@ impl TestServer {
             name: None,
             robots: vec![robot_section(robot.address)],
             setup: None,
-            push_urls: Default::default(),
+            push_urls: std::collections::BTreeMap::new(),
         };
         let other = CellSection {
             id: "c2".to_owned(),
