@@ -19,7 +19,10 @@ mod observe;
 mod places;
 mod start;
 
+pub(crate) use clock::CellClock;
 pub use driver::StartError;
+pub(crate) use driver::told_before;
 pub(crate) use handle::{CellHandle, Refused, Told};
-pub(crate) use places::Span;
+pub(crate) use observe::safety;
+pub(crate) use places::{Span, Subject, subject};
 pub(crate) use start::Parts;

@@ -62,6 +62,20 @@ const TABLE: &[(&str, &str, Access)] = &[
     // Its mobile robots.
     (POST, "/api/v1/cells/{cell}/mobile-robots/{mobile_robot}/signals", Access::MobileRobot),
     (GET, "/api/v1/cells/{cell}/mobile-robots/{mobile_robot}/outbox", Access::MobileRobot),
+    // Jobs, and what they work with.
+    (GET, "/api/v1/cells/{cell}/state", Access::Viewer),
+    (GET, "/api/v1/cells/{cell}/jobs", Access::Viewer),
+    (POST, "/api/v1/cells/{cell}/jobs", Access::Operator),
+    (GET, "/api/v1/cells/{cell}/jobs/{job}", Access::Viewer),
+    (POST, "/api/v1/cells/{cell}/jobs/{job}/commands", Access::Operator),
+    (GET, "/api/v1/cells/{cell}/jobs/{job}/events", Access::Viewer),
+    (GET, "/api/v1/cells/{cell}/jobs/{job}/report", Access::Viewer),
+    (GET, "/api/v1/cells/{cell}/sessions", Access::Viewer),
+    (GET, "/api/v1/cells/{cell}/sessions/{session}", Access::Viewer),
+    (GET, "/api/v1/cells/{cell}/stations/{station}/points/{point}/sessions", Access::Viewer),
+    (GET, "/api/v1/cells/{cell}/loads", Access::Viewer),
+    (GET, "/api/v1/cells/{cell}/loads/{load}", Access::Viewer),
+    (PUT, "/api/v1/cells/{cell}/loads/{load}/custody", Access::Operator),
     // What asks a person.
     (GET, "/api/v1/cells/{cell}/interventions", Access::Viewer),
     (GET, "/api/v1/cells/{cell}/interventions/{id}", Access::Viewer),
