@@ -57,6 +57,7 @@ mod edge;
 mod extract;
 mod guard;
 pub mod identity;
+mod jobs;
 mod journal;
 mod link;
 mod metrics;
