@@ -7,7 +7,7 @@ use anyhow::Result;
 use api::NewToken;
 
 use crate::config::{File, Loaded};
-use crate::virtual_controllers::Running;
+use crate::plant::Plant;
 
 const DEMO: &str = "\
   ############################################################################
@@ -29,21 +29,19 @@ An admin manages tokens and moves nothing. Log in with it, and make yourself an 
 pub(crate) fn print(
     http: SocketAddr,
     file: &File,
-    controllers: &[Running],
+    plant: &Plant,
     first: Option<&NewToken>,
+    server: Option<u32>,
 ) -> Result<()> {
+    let controllers = &plant.controllers;
     let mut out = std::io::stdout().lock();
     writeln!(out, "robocell is up. It is not a safety function.\n")?;
     if file.server.demo {
         writeln!(out, "{DEMO}\n")?;
     }
-    if let Some(first) = first {
-        writeln!(
-            out,
-            "THE ADMIN TOKEN. It is shown this once; only its hash is kept:\n\n  {}\n\n{ADMIN}\n",
-            first.token.reveal()
-        )?;
-    }
+    drop(out);
+    token(first)?;
+    let mut out = std::io::stdout().lock();
     writeln!(
         out,
         "  HTTP API             http://{http}      documentation: http://{http}/docs"
@@ -59,12 +57,25 @@ pub(crate) fn print(
         write!(
             out,
             "  virtual controller   {} (`{}`)",
-            part.robot_address, part.name
+            part.at.command, part.name
         )?;
         if let Some(panel) = part.controller.panel_address() {
             write!(out, "      panel: http://{panel}/")?;
         }
         writeln!(out)?;
+    }
+    for robot in plant.mobile_robots() {
+        write!(out, "  mobile robot         `{}`", robot.id())?;
+        if let Some(view) = robot.view_address() {
+            write!(out, "                      page: http://{view}/")?;
+        }
+        writeln!(out)?;
+    }
+    if let Some(server) = server {
+        writeln!(
+            out,
+            "  server               process {server}: `kill -9 {server}` pulls its plug. Arms, mobile robots and loads go on; it is started\n                       again by itself and finds out what became of everything"
+        )?;
     }
     let cells = file.cells.iter();
     let first_robot = cells.flat_map(|cell| &cell.robots).next();
@@ -84,7 +95,7 @@ pub(crate) fn print(
     )?;
     writeln!(
         out,
-        "\n  cargo run --release -p client --bin cellctl -- --server http://{http} home --speed 500"
+        "\n  cargo run --release -p client --bin cellctl -- --server http://{http} --cell demo job delivery --watch"
     )?;
     if let Some(panel) = controllers
         .iter()
@@ -104,6 +115,35 @@ pub(crate) fn print(
         "\n  cargo run --release -p client --bin cellctl -- --help"
     )?;
     writeln!(out, "\nCtrl-C stops the cell.")?;
+    out.flush()?;
+    Ok(())
+}
+
+/// Shows the token that was made at the first start, once.
+///
+/// # Errors
+/// Standard output cannot be written.
+pub(crate) fn token(first: Option<&NewToken>) -> Result<()> {
+    let Some(first) = first else {
+        return Ok(());
+    };
+    let mut out = std::io::stdout().lock();
+    writeln!(
+        out,
+        "THE ADMIN TOKEN. It is shown this once; only its hash is kept:\n\n  {}\n\n{ADMIN}\n",
+        first.token.reveal()
+    )?;
+    out.flush()?;
+    Ok(())
+}
+
+/// Says that the server was started again.
+///
+/// # Errors
+/// Standard output cannot be written.
+pub(crate) fn again(server: u32) -> Result<()> {
+    let mut out = std::io::stdout().lock();
+    writeln!(out, "The server is up again as process {server}.")?;
     out.flush()?;
     Ok(())
 }

@@ -7,6 +7,9 @@ use anyhow::{Context as _, Result};
 use serde::Deserialize;
 use server::config::{CellSection, IdentitySection, JournalSection, ServerSection, SetupSource};
 
+/// Where a supervised server of the demo keeps its journal.
+pub(crate) const JOURNAL: &str = "ROBOCELL_DEMO_JOURNAL";
+
 /// What runs when no file is named.
 const DEMO: &str = include_str!("../demo.toml");
 /// The set-up that the demo begins with. It is kept in memory: each start is a fresh one.
@@ -30,6 +33,39 @@ pub(crate) struct File {
     /// `[[virtual_controllers]]`.
     #[serde(default)]
     pub(crate) virtual_controllers: Vec<VirtualControllerSection>,
+    /// `[[virtual_mobile_robots]]`.
+    #[serde(default)]
+    pub(crate) virtual_mobile_robots: Vec<VirtualMobileRobotSection>,
+}
+
+/// `[[virtual_mobile_robots]]`: a mobile robot that runs in this process.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct VirtualMobileRobotSection {
+    /// The cell it belongs to.
+    pub(crate) cell: String,
+    /// Its id in the cell's set-up, which says its slots, its outline and where it begins.
+    pub(crate) id: String,
+    /// How it drives, docks and fails: a file of `mobile-emulator`, relative to the configuration file.
+    pub(crate) config: Option<PathBuf>,
+    /// Where its page and state view listen, a loopback `address:port`; none where absent.
+    pub(crate) view: Option<String>,
+    /// Its token, in a file of its own; needed where the server asks for tokens.
+    pub(crate) token_file: Option<PathBuf>,
+    /// Its seconds in a second.
+    #[serde(default = "real_time")]
+    pub(crate) time_scale: f64,
+}
+
+/// The programs a virtual controller runs.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Eq, PartialEq)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Runs {
+    /// The thesis's socket server (tier `seed`).
+    #[default]
+    SockServer,
+    /// This project's cell server (tier `cell_server`), with a gripper.
+    CellServer,
 }
 
 /// `[[virtual_controllers]]`: a controller that runs in this process.
@@ -40,8 +76,10 @@ pub(crate) struct VirtualControllerSection {
     pub(crate) name: String,
     /// The arm model.
     pub(crate) model: String,
+    /// The programs of this project it runs, where `programs` names no others.
+    #[serde(default)]
+    pub(crate) runs: Runs,
     /// KAREL programs to load, relative to the configuration file; the first one runs.
-    /// The socket server of this project where absent.
     #[serde(default)]
     pub(crate) programs: Vec<PathBuf>,
     /// The program's port robots connect to.
@@ -90,8 +128,13 @@ pub(crate) fn load(path: Option<&Path>) -> Result<Loaded> {
     let Some(path) = path else {
         let mut file: File =
             toml::from_str(DEMO).context("reading the built-in demo configuration")?;
-        for cell in &mut file.cells {
+        for cell in file.cells.iter_mut().filter(|cell| cell.id == "demo") {
             cell.setup = Some(SetupSource::Memory(DEMO_SETUP.to_owned()));
+        }
+        if let Some(path) = std::env::var_os(JOURNAL) {
+            file.journal.path = Some(path.into());
+            // A folder for temporary files may be in memory, and the demo has nothing to lose.
+            file.journal.allow_volatile_filesystem = true;
         }
         return Ok(Loaded {
             file,
@@ -111,6 +154,24 @@ pub(crate) fn load(path: Option<&Path>) -> Result<Loaded> {
     Ok(Loaded { file, folder, name })
 }
 
+impl Loaded {
+    /// A configuration from text, with the set-up that its cells begin with.
+    ///
+    /// # Errors
+    /// It is not TOML, or a key does not fit.
+    pub(crate) fn from_text(config: &str, setup: &str) -> Result<Self> {
+        let mut file: File = toml::from_str(config).context("reading the configuration")?;
+        for cell in &mut file.cells {
+            cell.setup = Some(SetupSource::Memory(setup.to_owned()));
+        }
+        Ok(Self {
+            file,
+            folder: PathBuf::new(),
+            name: "a configuration of text".into(),
+        })
+    }
+}
+
 fn seed_port() -> u16 {
     59002
 }
@@ -125,7 +186,7 @@ mod tests {
 
     #[test]
     fn the_demo_and_the_example_are_read() {
-        assert_eq!(load(None).unwrap().file.cells.len(), 1);
+        assert_eq!(load(None).unwrap().file.cells.len(), 2);
         let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("plant.example.toml");
         let example = load(Some(&example)).unwrap().file;
         assert_eq!(example.cells.len(), 2);

@@ -1,6 +1,8 @@
 //! From the configuration to running parts, and back down in order.
 
+use std::collections::BTreeMap;
 use std::io::IsTerminal as _;
+use std::net::SocketAddr;
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result};
@@ -11,14 +13,14 @@ use tokio::signal::unix::{SignalKind, signal};
 use tokio_util::sync::CancellationToken;
 
 use crate::config::{self, Loaded};
-use crate::virtual_controllers::{self, Prepared, Running};
-use crate::{Cli, access, banner};
+use crate::plant::{ControllerAt, Prepared};
+use crate::{Cli, access, banner, supervise, virtual_controllers};
 
 /// Runs until it is told to stop.
 ///
 /// # Errors
 /// Whatever keeps a part from starting; the message names the file and key, the port, or the program.
-pub(crate) fn start(cli: &Cli) -> Result<()> {
+pub fn start(cli: &Cli) -> Result<()> {
     let mut loaded = config::load(cli.config.as_deref())?;
     if let Some(listen) = &cli.listen {
         loaded.file.server.listen.clone_from(listen);
@@ -38,34 +40,61 @@ pub(crate) fn start(cli: &Cli) -> Result<()> {
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .enable_all()
         .build()?;
-    runtime.block_on(run(loaded, prepared, cli.new_admin_token))
+    runtime.block_on(async {
+        let stop = stop_on_signals()?;
+        match &cli.parts_at {
+            Some(parts) => {
+                let parts = serde_json::from_str(parts).context("--parts-at")?;
+                serve(loaded, Parts::Elsewhere(parts), cli.new_admin_token, stop).await
+            }
+            None if cli.supervised => supervise::run(cli, loaded, prepared, stop).await,
+            None => serve(loaded, Parts::Here(prepared), cli.new_admin_token, stop).await,
+        }
+    })
+}
+
+/// Where the virtual parts are.
+enum Parts {
+    /// In this process.
+    Here(Prepared),
+    /// In the one that supervises this one.
+    Elsewhere(BTreeMap<String, ControllerAt>),
 }
 
 /// Everything that can be checked before anything starts.
-fn check(loaded: &Loaded) -> Result<Vec<Prepared>> {
+fn check(loaded: &Loaded) -> Result<Prepared> {
     let file = &loaded.file;
-    let prepared = virtual_controllers::prepare_all(&file.virtual_controllers, &loaded.folder)?;
+    let prepared = Prepared::of(loaded)?;
     let mut cells = file.cells.clone();
-    virtual_controllers::resolve(&mut cells, &virtual_controllers::placeholders(&prepared))?;
+    virtual_controllers::resolve(&mut cells, &prepared.placeholders())?;
     access::check(loaded)?;
     Plan::try_new(&file.server, &cells)?.check_setups()?;
     Ok(prepared)
 }
 
-async fn run(loaded: Loaded, prepared: Vec<Prepared>, new_admin_token: bool) -> Result<()> {
+async fn serve(
+    loaded: Loaded,
+    parts: Parts,
+    new_admin_token: bool,
+    stop: CancellationToken,
+) -> Result<()> {
     let Loaded {
         mut file,
         folder,
         name,
     } = loaded;
-    let stop = stop_on_signals()?;
     let labels = PeerLabels::new();
-    let controllers = virtual_controllers::start_all(prepared, &labels).await?;
-    let addresses: Vec<_> = controllers
-        .iter()
-        .map(|part| (part.name.clone(), part.robot_address))
-        .collect();
-    virtual_controllers::resolve(&mut file.cells, &addresses)?;
+    let mut plant = match parts {
+        Parts::Here(prepared) => {
+            let plant = prepared.start(&labels).await?;
+            virtual_controllers::resolve(&mut file.cells, &plant.addresses())?;
+            Some(plant)
+        }
+        Parts::Elsewhere(addresses) => {
+            virtual_controllers::resolve(&mut file.cells, &addresses)?;
+            None
+        }
+    };
     let plan = Plan::try_new(&file.server, &file.cells).with_context(|| format!("in {name}"))?;
     let listen = plan.server().listen;
     let listener = TcpListener::bind(listen)
@@ -77,28 +106,32 @@ async fn run(loaded: Loaded, prepared: Vec<Prepared>, new_admin_token: bool) -> 
     let access =
         access::open(&file, &folder, new_admin_token).with_context(|| format!("in {name}"))?;
     let plan = plan.with_identity(access.identity)?;
-    banner::print(
-        listener.local_addr()?,
-        &file,
-        &controllers,
-        access.first.as_ref(),
-    )?;
+    let address = listener.local_addr()?;
+    if let Some(plant) = &mut plant {
+        plant.start_mobile_robots(&url_of(address))?;
+        banner::print(address, &file, plant, access.first.as_ref(), None)?;
+    } else {
+        banner::token(access.first.as_ref())?;
+    }
     let connector = TcpConnector::with_label(move |peer, request_id| labels.set(peer, request_id));
-    server::run(
-        listener,
-        plan,
-        Seams {
-            connector,
-            clock: Arc::new(SystemClock),
-            journal,
-        },
-        stop,
-    )
-    .await?;
-    for Running { controller, .. } in controllers {
-        controller.shutdown().await;
+    let seams = Seams {
+        connector,
+        clock: Arc::new(SystemClock),
+        journal,
+    };
+    server::run(listener, plan, seams, stop).await?;
+    if let Some(plant) = plant {
+        plant.shutdown().await;
     }
     Ok(())
+}
+
+/// The server as a mobile robot on this machine reaches it.
+pub(crate) fn url_of(listen: SocketAddr) -> String {
+    match listen.ip() {
+        ip if ip.is_unspecified() => format!("http://127.0.0.1:{}", listen.port()),
+        _ => format!("http://{listen}"),
+    }
 }
 
 /// A token that is cancelled by the first SIGINT or SIGTERM.

@@ -1,16 +1,22 @@
 //! Starts the virtual controllers of a configuration and tells the robots where they are.
 
-use std::net::SocketAddr;
+use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
 use anyhow::{Context as _, Result, bail};
+use api::Tier;
+use karel_emulator::cell_server::STATUS_PORT;
+use karel_emulator::gripper::GripperConfig;
 use karel_emulator::{
     Clock, ControllerConfig, PeerLabels, ProgramSource, SecondClient, VirtualController,
 };
 use kinematics::{ArmModel, PendantJoints};
-use server::config::CellSection;
+use server::config::{CellSection, RobotSection};
 
-use crate::config::{SecondClientWord, VirtualControllerSection};
+use crate::config::{Runs, SecondClientWord, VirtualControllerSection};
+use crate::plant::ControllerAt;
+use crate::world::World;
 
 /// The program a virtual controller runs unless the configuration names another.
 const SOCK_SERVER: &str = include_str!("../../programs/sock_server.kl");
@@ -21,7 +27,7 @@ const SCHEME: &str = "virtual:";
 #[derive(Debug)]
 pub(crate) struct Running {
     pub(crate) name: String,
-    pub(crate) robot_address: SocketAddr,
+    pub(crate) at: ControllerAt,
     pub(crate) controller: VirtualController,
 }
 
@@ -31,8 +37,20 @@ pub(crate) struct Prepared {
     key: String,
     name: String,
     robot_port: u16,
+    status_port: Option<u16>,
     config: ControllerConfig,
     clock: Clock,
+}
+
+impl Prepared {
+    pub(crate) fn name(&self) -> &str {
+        &self.name
+    }
+}
+
+/// The virtual controller that a robot refers to.
+pub(crate) fn name_of(robot: &RobotSection) -> Option<&str> {
+    robot.controller.strip_prefix(SCHEME)
 }
 
 /// Checks every section and reads its programs, in the order of the file.
@@ -42,6 +60,7 @@ pub(crate) struct Prepared {
 pub(crate) fn prepare_all(
     sections: &[VirtualControllerSection],
     folder: &Path,
+    world_of: &dyn Fn(&str) -> Option<World>,
 ) -> Result<Vec<Prepared>> {
     let mut prepared: Vec<Prepared> = Vec::with_capacity(sections.len());
     for (index, section) in sections.iter().enumerate() {
@@ -52,23 +71,21 @@ pub(crate) fn prepare_all(
                 section.name
             );
         }
-        let (config, clock) = prepare(section, folder, &key)?;
+        let (mut config, clock) = prepare(section, folder, &key)?;
+        if let Some(world) = world_of(&section.name) {
+            config = config.with_workpieces(Arc::new(world));
+        }
         prepared.push(Prepared {
             key,
             name: section.name.clone(),
             robot_port: section.robot_port,
+            status_port: (section.runs == Runs::CellServer && section.programs.is_empty())
+                .then_some(STATUS_PORT),
             config,
             clock,
         });
     }
     Ok(prepared)
-}
-
-/// The names that a robot's `controller` may refer to, with an address that stands for the real one until it is known.
-pub(crate) fn placeholders(prepared: &[Prepared]) -> Vec<(String, SocketAddr)> {
-    let somewhere = SocketAddr::from(([127, 0, 0, 1], 1));
-    let names = prepared.iter().map(|part| part.name.clone());
-    names.map(|name| (name, somewhere)).collect()
 }
 
 /// Starts every controller.
@@ -83,10 +100,16 @@ pub(crate) async fn start_all(
     for part in prepared {
         let controller = VirtualController::start(&part.config, part.clock, labels.clone())
             .with_context(|| format!("starting {} `{}`", part.key, part.name))?;
-        let robot_address = controller.address_of_port(part.robot_port).await?;
+        let status = match part.status_port {
+            Some(port) => Some(controller.address_of_port(port).await?),
+            None => None,
+        };
         running.push(Running {
+            at: ControllerAt {
+                command: controller.address_of_port(part.robot_port).await?,
+                status,
+            },
             name: part.name,
-            robot_address,
             controller,
         });
     }
@@ -106,17 +129,22 @@ fn prepare(
             section.model
         );
     };
-    let mut config = ControllerConfig::new(&*section.name, model);
+    let runs_ours = section.programs.is_empty();
+    let mut config = match section.runs {
+        Runs::CellServer if runs_ours => ControllerConfig::cell_server(&*section.name, model)
+            .with_gripper(GripperConfig::default()),
+        Runs::CellServer | Runs::SockServer => ControllerConfig::new(&*section.name, model),
+    };
     for path in &section.programs {
         let path = folder.join(path);
         let text = std::fs::read(&path)
             .with_context(|| format!("{key}.programs: reading {}", path.display()))?;
         config = config.with_program(ProgramSource::new(path.display().to_string(), text));
     }
-    if section.programs.is_empty() {
+    if runs_ours && section.runs == Runs::SockServer {
         config = config.with_program(ProgramSource::new("sock_server.kl", SOCK_SERVER));
     }
-    config.port_map.clone_from(&section.ports);
+    config.port_map.extend(section.ports.iter().map(|(program, host)| (*program, *host)));
     config.second_client = match section.second_client {
         SecondClientWord::Backlog => SecondClient::Backlog,
         SecondClientWord::Refuse => SecondClient::Refuse,
@@ -141,16 +169,22 @@ fn prepare(
 ///
 /// # Errors
 /// A robot refers to a controller that is not in the file.
-pub(crate) fn resolve(cells: &mut [CellSection], addresses: &[(String, SocketAddr)]) -> Result<()> {
+pub(crate) fn resolve(
+    cells: &mut [CellSection],
+    addresses: &BTreeMap<String, ControllerAt>,
+) -> Result<()> {
     for (c, cell) in cells.iter_mut().enumerate() {
         for (r, robot) in cell.robots.iter_mut().enumerate() {
             let Some(name) = robot.controller.strip_prefix(SCHEME) else {
                 continue;
             };
-            let Some((_, address)) = addresses.iter().find(|(known, _)| known == name) else {
+            let Some(at) = addresses.get(name) else {
                 bail!("cells[{c}].robots[{r}].controller: no virtual controller is named `{name}`");
             };
-            robot.controller = address.to_string();
+            robot.controller = at.command.to_string();
+            if robot.tier != Tier::Seed && robot.status_controller.is_none() {
+                robot.status_controller = at.status.map(|status| status.to_string());
+            }
         }
     }
     Ok(())

@@ -136,13 +136,6 @@ impl Metrics {
     }
 
     /// The counts of the link to a robot's `cell_server` controller.
-    #[cfg_attr(
-        not(test),
-        expect(
-            dead_code,
-            reason = "the motion service is built on the tier-2 link next, and uses it"
-        )
-    )]
     pub(crate) fn controller_link(&self, plan: &RobotPlan) -> ControllerMetrics {
         let labels = || {
             vec![

@@ -22,11 +22,15 @@ at most once.
 
 This is not a safety function: emergency stop and guards are hard-wired in the controller.";
 
-const TAGS: [(&str, &str); 14] = [
+const TAGS: [(&str, &str); 15] = [
     ("motions", "Moving a robot, and what became of it."),
     (
         "jobs",
         "The group workflows: arms and mobile robots together. A job is asked for, waits in the queue, and runs by itself.",
+    ),
+    (
+        "mobile-robots",
+        "What mobile robots tell the cell, and what it tells them.",
     ),
     ("interventions", "What only a person can decide."),
     (

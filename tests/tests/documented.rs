@@ -139,8 +139,8 @@ async fn the_examples_of_the_openapi_document_work_when_they_are_tried() -> anyh
             let Some(path) = filled(path, operation) else {
                 continue;
             };
-            // In a demo there are none.
-            if path.starts_with("/api/v1/tokens") {
+            // In a demo there are no tokens, and the set-up of this cell is empty.
+            if path.starts_with("/api/v1/tokens") || path.contains("/setup/") {
                 continue;
             }
             let method: Method = method.to_uppercase().parse()?;
@@ -159,9 +159,14 @@ async fn the_examples_of_the_openapi_document_work_when_they_are_tried() -> anyh
                     .body(example.to_string());
                 bodies += 1;
             }
-            let answer = answer(request)
-                .await
-                .with_context(|| format!("{method} {path}"))?;
+            // The robot runs the seed program; what it cannot do, it says.
+            let tried = answer(request).await;
+            let beyond = |error: &anyhow::Error| error.to_string().contains("\"not-supported\"");
+            if tried.as_ref().err().is_some_and(beyond) {
+                ensure!(path.ends_with("/speed-override"), "{method} {path}");
+                continue;
+            }
+            let answer = tried.with_context(|| format!("{method} {path}"))?;
             if method == Method::POST && path.ends_with("/control-authority") {
                 let lease: Value = serde_json::from_str(&answer)?;
                 lease["token"]
@@ -171,7 +176,7 @@ async fn the_examples_of_the_openapi_document_work_when_they_are_tried() -> anyh
             }
         }
     }
-    assert_eq!(bodies, 6);
+    assert_eq!(bodies, 8);
     cell.shutdown().await
 }
 

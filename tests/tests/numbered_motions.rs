@@ -1,5 +1,10 @@
 //! Motions of tier 2: the server, and the cell server's programs on a virtual controller. Its ledger is the truth.
 
+#![expect(
+    clippy::unwrap_used,
+    reason = "helpers of tests: a failure here fails the test"
+)]
+
 use std::time::Duration;
 
 use api::{

@@ -1,5 +1,10 @@
 //! `cellctl journal`: exit codes, and the first broken record.
 
+#![expect(
+    clippy::unwrap_used,
+    reason = "helpers of tests: a failure here fails the test"
+)]
+
 use std::path::Path;
 use std::process::Stdio;
 use std::time::Duration;

@@ -71,8 +71,9 @@ pub use memory::{Fault, MemoryDisk, MemoryJournal, MemoryOpenError};
 pub use opening::Opening;
 pub use record::{
     Accepted, Answer, Arrival, Asked, Audit, AuditResult, CellDecided, Completion, Decision, End,
-    Hold, Intent, JobCreated, JobEnd, JobEnded, JobStep, Mode, NoMotion, Observation, Outcome, OutputLevel,
-    Record, Repeatability, ServerStarted, SignalReceived, Standstill, StepState, Subject, Target,
+    Hold, Intent, JobCreated, JobEnd, JobEnded, JobStep, Mode, NoMotion, Observation, Outcome,
+    OutputLevel, Record, Repeatability, ServerStarted, SignalReceived, Standstill, StepState,
+    Subject, Target,
 };
 pub use rules::{JobEntry, KeyEntry, MotionEntry, MotionPhase, Refusal};
 pub use sqlite::{

@@ -1,5 +1,21 @@
 //! F1 to F24 in both workflows, each by its name in the matrix.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    clippy::wildcard_enum_match_arm,
+    clippy::panic,
+    clippy::cast_possible_truncation,
+    clippy::print_stdout,
+    clippy::too_many_lines,
+    clippy::struct_excessive_bools,
+    clippy::type_complexity,
+    clippy::enum_glob_use,
+    clippy::manual_is_multiple_of,
+    clippy::match_same_arms,
+    reason = "a test stops where it is wrong"
+)]
+
 mod world;
 
 use uuid::Uuid;
@@ -18,32 +34,56 @@ fn start(w: &mut World, which: Which) -> Uuid {
 }
 
 fn has(w: &World, job: Uuid, fault: Fault) -> bool {
-    w.cell.job(w.now, job).unwrap().faults.iter().any(|f| f.fault == fault)
+    w.cell
+        .job(w.now, job)
+        .unwrap()
+        .faults
+        .iter()
+        .any(|f| f.fault == fault)
 }
 
 fn at(w: &World, job: Uuid, phase: Phase) -> bool {
-    w.cell.job(w.now, job).unwrap().steps.iter().any(|s| {
-        s.phase == phase && s.state == workflow::StepState::Running
-    })
+    w.cell
+        .job(w.now, job)
+        .unwrap()
+        .steps
+        .iter()
+        .any(|s| s.phase == phase && s.state == workflow::StepState::Running)
 }
 
 fn until(w: &mut World, job: Uuid, state: JobState) {
     let ok = w.run(400_000, |w| w.state(job) == state);
-    assert!(ok, "{:?} instead of {state:?}; {:?}\n{}", w.state(job), w.open_question(), w.story());
+    assert!(
+        ok,
+        "{:?} instead of {state:?}; {:?}\n{}",
+        w.state(job),
+        w.open_question(),
+        w.story()
+    );
 }
 
 fn until_asked(w: &mut World, fault: Fault) {
-    let ok = w.run(1_500_000, |w| w.open_question().is_some_and(|q| q.question.fault == fault));
+    let ok = w.run(1_500_000, |w| {
+        w.open_question().is_some_and(|q| q.question.fault == fault)
+    });
     assert!(ok, "no question about {fault:?}\n{}", w.story());
 }
 
 fn until_at(w: &mut World, job: Uuid, phase: Phase) {
-    assert!(w.run(120_000, |w| at(w, job, phase)), "never at {phase:?}\n{}", w.story());
+    assert!(
+        w.run(120_000, |w| at(w, job, phase)),
+        "never at {phase:?}\n{}",
+        w.story()
+    );
 }
 
 /// The arm is in the zone, moving to or at the mobile robot.
 fn until_in_zone(w: &mut World) {
-    assert!(w.run(120_000, |w| w.arm_inside(&w.arms["r1"])), "{}", w.story());
+    assert!(
+        w.run(120_000, |w| w.arm_inside(&w.arms["r1"])),
+        "{}",
+        w.story()
+    );
 }
 
 fn permit(w: &World) -> Permit {
@@ -111,7 +151,7 @@ fn f01(which: Which) {
     assert!(orders.iter().all(|o| *o == orders[0]), "the same ids");
     assert_eq!(w.state(job), JobState::Suspended);
     m1(&mut w).acks = true;
-    w.answer(Answer::Retry, Detail::None).unwrap();
+    let _reply = w.answer(Answer::Retry, Detail::None).unwrap();
     w.complete(job);
 }
 
@@ -120,15 +160,30 @@ fn f01_other(which: Which) {
     m1(&mut w).rejects = true;
     let mut job = if which == A { delivery() } else { pickup() };
     job.mobile_robot = None;
-    job.items = vec![if which == A { item(None, "s3", "rack/a") } else { item(None, "s3", "rack/c") }];
+    job.items = vec![if which == A {
+        item(None, "s3", "rack/a")
+    } else {
+        item(None, "s3", "rack/c")
+    }];
     if which == A {
-        let at = Location::MobileRobot { mobile_robot: "m2".into(), slot: "s3".into() };
+        let at = Location::MobileRobot {
+            mobile_robot: "m2".into(),
+            slot: "s3".into(),
+        };
         let _old = w.loads.insert("new".into(), at);
     }
     let job = w.create(job);
     w.complete(job);
-    assert_eq!(w.cell.job(w.now, job).unwrap().mobile_robot.as_deref(), Some("m2"));
-    assert!(m1(&mut w).got.iter().any(|m| matches!(m, Message::CancelOrder { .. })));
+    assert_eq!(
+        w.cell.job(w.now, job).unwrap().mobile_robot.as_deref(),
+        Some("m2")
+    );
+    assert!(
+        m1(&mut w)
+            .got
+            .iter()
+            .any(|m| matches!(m, Message::CancelOrder { .. }))
+    );
 }
 
 fn f02(which: Which) {
@@ -147,7 +202,24 @@ fn f02(which: Which) {
     assert_eq!(orders.len(), 3, "dispatched again twice");
     assert_eq!(permit(&w), Permit::None);
     m1(&mut w).arrives = true;
-    w.answer(Answer::Redispatch, Detail::None).unwrap();
+    let _reply = w.answer(Answer::Redispatch, Detail::None).unwrap();
+    w.complete(job);
+}
+
+#[test]
+fn f02_an_arm_left_in_the_zone_is_named_and_driven_out_on_request() {
+    let mut w = World::new();
+    r1(&mut w).at = Some(workflow::Target::LiftOf {
+        place: world::slot("s1"),
+    });
+    let _never = w.run(1_000, |_| false);
+    let job = start(&mut w, A);
+    until_asked(&mut w, Fault::ArrivalLate);
+    assert_eq!(permit(&w), Permit::None);
+    until(&mut w, job, JobState::Suspended);
+    let known = w.open_question().unwrap().question.known;
+    assert!(known.iter().any(|k| k.contains("in the zone")), "{known:?}");
+    let _reply = w.answer(Answer::Retreat, Detail::None).unwrap();
     w.complete(job);
 }
 
@@ -159,10 +231,16 @@ fn f02_a_prefetched_load_is_put_back_and_picked_again() {
     spec.prefetch = true;
     let job = w.create(spec);
     assert!(w.run(30_000, |w| w.arms["r1"].holds.is_some()));
-    let back = Location::Fixed { place: "rack/c".into() };
+    let back = Location::Fixed {
+        place: "rack/c".into(),
+    };
     assert!(w.run(200_000, |w| w.loads["P1"] == back), "{}", w.story());
     m1(&mut w).arrives = true;
-    assert!(w.run(900_000, |w| w.state(job) == JobState::Complete), "{}", w.story());
+    assert!(
+        w.run(900_000, |w| w.state(job) == JobState::Complete),
+        "{}",
+        w.story()
+    );
     w.judge_custody();
 }
 
@@ -171,7 +249,11 @@ fn f03(which: Which) {
     m1(&mut w).dock_error_mm = 50.0;
     let job = start(&mut w, which);
     until_asked(&mut w, Fault::DockFailed);
-    let retries = m1(&mut w).got.iter().filter(|m| **m == Message::Retry).count();
+    let retries = m1(&mut w)
+        .got
+        .iter()
+        .filter(|m| **m == Message::Retry)
+        .count();
     assert_eq!(retries, 2);
     assert!(m1(&mut w).got.contains(&Message::SkipRetry));
     assert!(!w.arms["r1"].asked.is_empty() && w.arms["r1"].moving.is_none());
@@ -184,8 +266,14 @@ fn f03(which: Which) {
         principal: operator(),
         reason: "looks fine".into(),
     });
-    assert!(matches!(refused, Err(Refusal::Forbidden { needed: Role::Integrator, .. })));
-    w.answer(Answer::AcceptMeasured, Detail::None).unwrap();
+    assert!(matches!(
+        refused,
+        Err(Refusal::Forbidden {
+            needed: Role::Integrator,
+            ..
+        })
+    ));
+    let _reply = w.answer(Answer::AcceptMeasured, Detail::None).unwrap();
     w.complete(job);
 }
 
@@ -215,7 +303,7 @@ fn f04(which: Which) {
         assert!(!w.arm_inside(&w.arms["r1"]) && w.arms["r1"].at == Some(workflow::Target::Safe));
     }
     m1(&mut w).lies_slot = None;
-    w.answer(Answer::Rescan, Detail::None).unwrap();
+    let _reply = w.answer(Answer::Rescan, Detail::None).unwrap();
     w.complete(job);
 }
 
@@ -226,10 +314,15 @@ fn f04_the_mobile_robot_can_be_sent_back_with_its_loads() {
     let job = start(&mut w, A);
     until_asked(&mut w, Fault::LoadMismatch);
     until(&mut w, job, JobState::Held);
-    w.answer(Answer::SendBack, Detail::None).unwrap();
+    let _reply = w.answer(Answer::SendBack, Detail::None).unwrap();
     until(&mut w, job, JobState::Stopped);
     assert!(w.cell.claims().is_empty());
-    assert!(m1(&mut w).got.iter().any(|m| matches!(m, Message::TransferFailed { .. })));
+    assert!(
+        m1(&mut w)
+            .got
+            .iter()
+            .any(|m| matches!(m, Message::TransferFailed { .. }))
+    );
 }
 
 #[test]
@@ -240,9 +333,14 @@ fn f04_a_placed_load_can_be_picked_up_again_b() {
     m1(&mut w).lies_slot = Some(("s3".into(), None));
     until_asked(&mut w, Fault::LoadMismatch);
     until(&mut w, job, JobState::Held);
-    w.answer(Answer::Repick, Detail::None).unwrap();
+    let _reply = w.answer(Answer::Repick, Detail::None).unwrap();
     until(&mut w, job, JobState::Stopped);
-    assert_eq!(w.loads["P1"], Location::Fixed { place: "rack/c".into() });
+    assert_eq!(
+        w.loads["P1"],
+        Location::Fixed {
+            place: "rack/c".into()
+        }
+    );
     w.judge_custody();
 }
 
@@ -250,17 +348,28 @@ fn f04_a_placed_load_can_be_picked_up_again_b() {
 fn f05_an_occupied_slot_is_replaced_by_a_free_one_b() {
     let mut w = World::new();
     m1(&mut w).lies_slot = Some(("s3".into(), Some("ghost".into())));
-    let at = Location::MobileRobot { mobile_robot: "m1".into(), slot: "s2".into() };
+    let at = Location::MobileRobot {
+        mobile_robot: "m1".into(),
+        slot: "s2".into(),
+    };
     // L2 is gone, so that s2 is free.
-    let _old = w.loads.insert("L2".into(), Location::Fixed { place: "bin".into() });
-    w.input(Input::SetCustody {
-        load: "L2".into(),
-        location: Location::Fixed { place: "bin".into() },
-        confirm: "L2".into(),
-        principal: operator(),
-        reason: "taken off".into(),
-    })
-    .unwrap();
+    let _old = w.loads.insert(
+        "L2".into(),
+        Location::Fixed {
+            place: "bin".into(),
+        },
+    );
+    let _reply = w
+        .input(Input::SetCustody {
+            load: "L2".into(),
+            location: Location::Fixed {
+                place: "bin".into(),
+            },
+            confirm: "L2".into(),
+            principal: operator(),
+            reason: "taken off".into(),
+        })
+        .unwrap();
     let job = start(&mut w, B);
     assert!(w.run(120_000, |w| w.loads["P1"] == at), "{}", w.story());
     w.complete(job);
@@ -274,7 +383,7 @@ fn f05_an_occupied_slot_without_another_is_asked_about_b() {
     until_asked(&mut w, Fault::SlotOccupied);
     until(&mut w, job, JobState::Held);
     m1(&mut w).lies_slot = None;
-    w.answer(Answer::Rescan, Detail::None).unwrap();
+    let _reply = w.answer(Answer::Rescan, Detail::None).unwrap();
     w.complete(job);
 }
 
@@ -285,8 +394,16 @@ fn f06(which: Which) {
     let job = start(&mut w, which);
     until(&mut w, job, JobState::Stopped);
     let view = w.cell.job(w.now, job).unwrap();
-    let note = view.faults.iter().find(|f| f.fault == Fault::Unreachable).unwrap();
-    assert!(note.text.contains(place) && note.text.contains("J5"), "{}", note.text);
+    let note = view
+        .faults
+        .iter()
+        .find(|f| f.fault == Fault::Unreachable)
+        .unwrap();
+    assert!(
+        note.text.contains(place) && note.text.contains("J5"),
+        "{}",
+        note.text
+    );
     assert!(w.mobiles["m1"].got.is_empty(), "nobody was called");
     assert!(w.cell.claims().is_empty());
 }
@@ -299,7 +416,12 @@ fn f06_an_alternate_place_is_taken_instead_a() {
     spec.items[0].alternates = vec!["rack/b".into()];
     let job = w.create(spec);
     w.complete(job);
-    assert_eq!(w.loads["L1"], Location::Fixed { place: "rack/b".into() });
+    assert_eq!(
+        w.loads["L1"],
+        Location::Fixed {
+            place: "rack/b".into()
+        }
+    );
 }
 
 fn f07(which: Which) {
@@ -310,8 +432,14 @@ fn f07(which: Which) {
     until_asked(&mut w, Fault::ControllerAlarm);
     until(&mut w, job, JobState::Held);
     assert_ne!(permit(&w), Permit::MrMove);
-    assert!(matches!(w.command(job, Command::Unhold), Err(Refusal::Conflict { .. })), "no way around the question");
-    w.answer(Answer::Replan, Detail::None).unwrap();
+    assert!(
+        matches!(
+            w.command(job, Command::Unhold),
+            Err(Refusal::Conflict { .. })
+        ),
+        "no way around the question"
+    );
+    let _reply = w.answer(Answer::Replan, Detail::None).unwrap();
     w.complete(job);
 }
 
@@ -320,7 +448,11 @@ fn f08(which: Which) {
     let job = start(&mut w, which);
     until_in_zone(&mut w);
     r1(&mut w).doubt_next = true;
-    assert!(w.run(60_000, |w| has(w, job, Fault::NoAnswer)), "{}", w.story());
+    assert!(
+        w.run(60_000, |w| has(w, job, Fault::NoAnswer)),
+        "{}",
+        w.story()
+    );
     assert_eq!(permit(&w), Permit::None, "both permits 0");
     w.complete(job);
     assert!(w.asked.is_empty(), "the controller knew: nobody is asked");
@@ -333,12 +465,14 @@ fn f08_ask(which: Which) {
     (r1(&mut w).doubt_next, r1(&mut w).doubt_for_good) = (true, true);
     until_asked(&mut w, Fault::NoAnswer);
     let q = w.open_question().unwrap();
-    assert!(q.question.op.is_some() && !q.question.known.is_empty() && !q.question.unknown.is_empty());
+    assert!(
+        q.question.op.is_some() && !q.question.known.is_empty() && !q.question.unknown.is_empty()
+    );
     until(&mut w, job, JobState::Suspended);
     r1(&mut w).doubt_for_good = false;
     assert!(w.run(5_000, |w| w.arms["r1"].moving.is_none()));
     if w.open_question().is_some() {
-        w.answer(Answer::Happened, Detail::None).unwrap();
+        let _reply = w.answer(Answer::Happened, Detail::None).unwrap();
     }
     w.complete(job);
 }
@@ -357,8 +491,12 @@ fn f09_ask(which: Which) {
     let job = start(&mut w, which);
     until_asked(&mut w, Fault::LoadMismatch);
     until(&mut w, job, JobState::Held);
-    assert_eq!(w.arms["r1"].at, Some(workflow::Target::Safe), "it opened and left");
-    w.answer(Answer::Rescan, Detail::None).unwrap();
+    assert_eq!(
+        w.arms["r1"].at,
+        Some(workflow::Target::Safe),
+        "it opened and left"
+    );
+    let _reply = w.answer(Answer::Rescan, Detail::None).unwrap();
     w.complete(job);
 }
 
@@ -371,16 +509,36 @@ fn f10(which: Which) {
     let floor = Location::Unknown { arm: None };
     let _old = w.loads.insert(load.clone(), floor);
     until(&mut w, job, JobState::Aborted);
-    let booked = w.cell.custody().into_iter().find(|l| l.id == load).unwrap().load.location;
+    let booked = w
+        .cell
+        .custody()
+        .into_iter()
+        .find(|l| l.id == load)
+        .unwrap()
+        .load
+        .location;
     assert!(matches!(booked, Location::Unknown { .. }), "{booked}");
     assert!(w.command(job, Command::Clear).is_err(), "first the load");
-    let bin = Location::Fixed { place: "bin".into() };
+    let bin = Location::Fixed {
+        place: "bin".into(),
+    };
     let _old = w.loads.insert(load.clone(), bin.clone());
-    let wrong = Detail::Custody { load: load.clone(), confirm: "L9".into(), location: bin.clone() };
-    assert!(w.answer(Answer::SetCustody, wrong).is_err(), "two fields have to agree");
-    let right = Detail::Custody { load: load.clone(), confirm: load, location: bin };
-    w.answer(Answer::SetCustody, right).unwrap();
-    w.command(job, Command::Clear).unwrap();
+    let wrong = Detail::Custody {
+        load: load.clone(),
+        confirm: "L9".into(),
+        location: bin.clone(),
+    };
+    assert!(
+        w.answer(Answer::SetCustody, wrong).is_err(),
+        "two fields have to agree"
+    );
+    let right = Detail::Custody {
+        load: load.clone(),
+        confirm: load,
+        location: bin,
+    };
+    let _reply = w.answer(Answer::SetCustody, right).unwrap();
+    let _reply = w.command(job, Command::Clear).unwrap();
     until(&mut w, job, JobState::Stopped);
     w.judge_custody();
 }
@@ -391,7 +549,10 @@ fn f10_release(which: Which) {
     let job = start(&mut w, which);
     until(&mut w, job, JobState::Aborted);
     assert!(has(&w, job, Fault::PartLost));
-    assert_eq!(w.open_question().unwrap().question.answers, [Answer::SetCustody]);
+    assert_eq!(
+        w.open_question().unwrap().question.answers,
+        [Answer::SetCustody]
+    );
 }
 
 fn f11(which: Which) {
@@ -409,8 +570,11 @@ fn f11(which: Which) {
     let stopped = w.log.iter().position(|l| l.contains("stop r1")).unwrap();
     let told = w.log.iter().position(|l| l.contains("StartPause")).unwrap();
     assert!(stopped < told, "the arm is safe before anybody is told");
-    assert!(!w.run(20_000, |w| w.state(job) != JobState::Aborted), "nothing goes on by itself");
-    w.command(job, Command::Clear).unwrap();
+    assert!(
+        !w.run(20_000, |w| w.state(job) != JobState::Aborted),
+        "nothing goes on by itself"
+    );
+    let _reply = w.command(job, Command::Clear).unwrap();
     until(&mut w, job, JobState::Stopped);
 }
 
@@ -422,12 +586,18 @@ fn f12(which: Which) {
     let ok = w.run(20_000, |w| has(w, job, Fault::HeartbeatLost));
     assert!(ok, "{}", w.story());
     assert_eq!(permit(&w), Permit::None);
-    let out = w.run(10_000, |w| !w.arm_inside(&w.arms["r1"]) && w.arms["r1"].moving.is_none());
+    let out = w.run(10_000, |w| {
+        !w.arm_inside(&w.arms["r1"]) && w.arms["r1"].moving.is_none()
+    });
     assert!(out, "the arm leaves the zone\n{}", w.story());
     until(&mut w, job, JobState::Suspended);
     m1(&mut w).beats = true;
     w.complete(job);
-    let question = w.cell.interventions().into_iter().find(|i| i.question.fault == Fault::HeartbeatLost);
+    let question = w
+        .cell
+        .interventions()
+        .into_iter()
+        .find(|i| i.question.fault == Fault::HeartbeatLost);
     assert!(question.unwrap().withdrawn.is_some());
 }
 
@@ -439,8 +609,16 @@ fn f13(which: Which) {
     w.say("m1", SignalKind::MrMode);
     until(&mut w, job, JobState::Suspended);
     assert_eq!(permit(&w), Permit::None);
-    assert!(w.run(10_000, |w| !w.arm_inside(&w.arms["r1"])), "{}", w.story());
-    assert!(!w.run(10_000, |w| w.state(job) == JobState::Execute), "{}", w.story());
+    assert!(
+        w.run(10_000, |w| !w.arm_inside(&w.arms["r1"])),
+        "{}",
+        w.story()
+    );
+    assert!(
+        !w.run(10_000, |w| w.state(job) == JobState::Execute),
+        "{}",
+        w.story()
+    );
     m1(&mut w).state.mode = MobileMode::Automatic;
     w.say("m1", SignalKind::MrMode);
     w.complete(job);
@@ -466,8 +644,11 @@ fn f14(which: Which) {
     until(&mut w, job, JobState::Held);
     assert_eq!(permit(&w), Permit::None);
     r1(&mut w).safety = Safety::Normal;
-    assert!(!w.run(20_000, |w| w.state(job) != JobState::Held), "no automatic resume");
-    w.command(job, Command::Unhold).unwrap();
+    assert!(
+        !w.run(20_000, |w| w.state(job) != JobState::Held),
+        "no automatic resume"
+    );
+    let _reply = w.command(job, Command::Unhold).unwrap();
     w.complete(job);
 }
 
@@ -480,7 +661,7 @@ fn f15(which: Which) {
     assert_eq!(permit(&w), Permit::None);
     r1(&mut w).safety = Safety::Normal;
     assert!(!w.run(20_000, |w| w.state(job) != JobState::Aborted), "I8");
-    w.command(job, Command::Clear).unwrap();
+    let _reply = w.command(job, Command::Clear).unwrap();
     until(&mut w, job, JobState::Stopped);
 }
 
@@ -489,14 +670,19 @@ fn f16(which: Which) {
     let job = start(&mut w, which);
     until_at(&mut w, job, Phase::Approach);
     assert!(w.run(5_000, |w| w.arms["r1"].moving.is_some()));
-    w.command(job, Command::Stop).unwrap();
+    let _reply = w.command(job, Command::Stop).unwrap();
     until(&mut w, job, JobState::Stopped);
-    assert!(w.run(30_000, |w| w.cell.claims().is_empty()), "{:?}\n{}", w.cell.claims(), w.story());
+    assert!(
+        w.run(30_000, |w| w.cell.claims().is_empty()),
+        "{:?}\n{}",
+        w.cell.claims(),
+        w.story()
+    );
     assert_eq!(w.arms["r1"].at, Some(workflow::Target::Safe));
     assert!(w.mobiles["m1"].state.at_point.is_none());
     w.judge_custody();
     // Reset puts it back into the queue.
-    w.command(job, Command::Reset).unwrap();
+    let _reply = w.command(job, Command::Reset).unwrap();
     w.complete(job);
 }
 
@@ -506,32 +692,49 @@ fn f16_a_cancel_before_the_mobile_robot_came_takes_the_order_back() {
     m1(&mut w).arrives = false;
     let job = start(&mut w, A);
     until(&mut w, job, JobState::Suspended);
-    w.command(job, Command::Stop).unwrap();
+    let _reply = w.command(job, Command::Stop).unwrap();
     until(&mut w, job, JobState::Stopped);
-    assert!(m1(&mut w).got.iter().any(|m| matches!(m, Message::CancelOrder { .. })));
+    assert!(
+        m1(&mut w)
+            .got
+            .iter()
+            .any(|m| matches!(m, Message::CancelOrder { .. }))
+    );
     assert!(w.cell.claims().is_empty());
 }
 
 fn f17(which: Which) {
-    for policy in [OnCancel::Complete, OnCancel::ReturnToMr, OnCancel::RejectBin] {
+    for policy in [
+        OnCancel::Complete,
+        OnCancel::ReturnToMr,
+        OnCancel::RejectBin,
+    ] {
         let mut w = World::new();
         let mut spec = if which == A { delivery() } else { pickup() };
         (spec.on_cancel_with_load, spec.reject_slot) = (policy, Some("bin".into()));
         let load = if which == A { "L1" } else { "P1" };
         let job = w.create(spec);
         assert!(w.run(120_000, |w| w.arms["r1"].holds.is_some()));
-        w.command(job, Command::Stop).unwrap();
+        let _reply = w.command(job, Command::Stop).unwrap();
         until(&mut w, job, JobState::Stopped);
         let expected = match (which, policy) {
-            (_, OnCancel::RejectBin) => Location::Fixed { place: "bin".into() },
-            (Workflow::DeliveryAndPlacement, OnCancel::Complete) => Location::Fixed { place: "rack/a".into() },
-            (Workflow::PickupAndDelivery, OnCancel::ReturnToMr) => Location::Fixed { place: "rack/c".into() },
-            (Workflow::DeliveryAndPlacement, _) => {
-                Location::MobileRobot { mobile_robot: "m1".into(), slot: "s1".into() }
-            }
-            (Workflow::PickupAndDelivery, _) => {
-                Location::MobileRobot { mobile_robot: "m1".into(), slot: "s3".into() }
-            }
+            (_, OnCancel::RejectBin) => Location::Fixed {
+                place: "bin".into(),
+            },
+            (Workflow::DeliveryAndPlacement, OnCancel::Complete) => Location::Fixed {
+                place: "rack/a".into(),
+            },
+            (Workflow::PickupAndDelivery, OnCancel::ReturnToMr) => Location::Fixed {
+                place: "rack/c".into(),
+            },
+            (Workflow::DeliveryAndPlacement, _) => Location::MobileRobot {
+                mobile_robot: "m1".into(),
+                slot: "s1".into(),
+            },
+            (Workflow::PickupAndDelivery, _) => Location::MobileRobot {
+                mobile_robot: "m1".into(),
+                slot: "s3".into(),
+            },
         };
         assert_eq!(w.loads[load], expected, "{policy:?}\n{}", w.story());
         w.judge_custody();
@@ -542,10 +745,10 @@ fn f17_ask(which: Which) {
     let mut w = World::new();
     let job = start(&mut w, which);
     assert!(w.run(120_000, |w| w.arms["r1"].holds.is_some()));
-    w.command(job, Command::Stop).unwrap();
+    let _reply = w.command(job, Command::Stop).unwrap();
     until_asked(&mut w, Fault::CanceledWithLoad);
     assert_eq!(w.state(job), JobState::Stopping);
-    w.answer(Answer::PutBack, Detail::None).unwrap();
+    let _reply = w.answer(Answer::PutBack, Detail::None).unwrap();
     until(&mut w, job, JobState::Stopped);
     w.judge_custody();
     assert!(w.arms["r1"].holds.is_none());
@@ -553,16 +756,19 @@ fn f17_ask(which: Which) {
 
 /// The target is taken by hand while the load is on its way.
 fn block(w: &mut World, place: &str) {
-    let at = Location::Fixed { place: place.into() };
+    let at = Location::Fixed {
+        place: place.into(),
+    };
     let _old = w.loads.insert("P2".into(), at.clone());
-    w.input(Input::SetCustody {
-        load: "P2".into(),
-        location: at,
-        confirm: "P2".into(),
-        principal: operator(),
-        reason: "put there by hand".into(),
-    })
-    .unwrap();
+    let _reply = w
+        .input(Input::SetCustody {
+            load: "P2".into(),
+            location: at,
+            confirm: "P2".into(),
+            principal: operator(),
+            reason: "put there by hand".into(),
+        })
+        .unwrap();
 }
 
 #[test]
@@ -575,7 +781,12 @@ fn f18_a_blocked_target_waits_until_it_is_free_a() {
     until(&mut w, job, JobState::Suspended);
     block(&mut w, "rack/b");
     w.complete(job);
-    assert_eq!(w.loads["L1"], Location::Fixed { place: "rack/a".into() });
+    assert_eq!(
+        w.loads["L1"],
+        Location::Fixed {
+            place: "rack/a".into()
+        }
+    );
 }
 
 #[test]
@@ -592,10 +803,22 @@ fn f18_a_blocked_target_is_replaced_by_an_alternate_or_an_answer_a() {
         if !alternate {
             until_asked(&mut w, Fault::TargetBlocked);
             until(&mut w, job, JobState::Suspended);
-            w.answer(Answer::ChooseSlot, Detail::Place { place: "rack/b".into() }).unwrap();
+            let _reply = w
+                .answer(
+                    Answer::ChooseSlot,
+                    Detail::Place {
+                        place: "rack/b".into(),
+                    },
+                )
+                .unwrap();
         }
         w.complete(job);
-        assert_eq!(w.loads["L1"], Location::Fixed { place: "rack/b".into() });
+        assert_eq!(
+            w.loads["L1"],
+            Location::Fixed {
+                place: "rack/b".into()
+            }
+        );
     }
 }
 
@@ -604,20 +827,29 @@ fn f18_a_slot_that_is_taken_during_the_approach_is_asked_about_b() {
     let mut w = World::new();
     let job = start(&mut w, B);
     until_at(&mut w, job, Phase::Grip);
-    let at = Location::MobileRobot { mobile_robot: "m1".into(), slot: "s3".into() };
-    w.input(Input::SetCustody {
-        load: "P2".into(),
-        location: at,
-        confirm: "P2".into(),
-        principal: operator(),
-        reason: "somebody put it there".into(),
-    })
-    .unwrap();
+    let at = Location::MobileRobot {
+        mobile_robot: "m1".into(),
+        slot: "s3".into(),
+    };
+    let _reply = w
+        .input(Input::SetCustody {
+            load: "P2".into(),
+            location: at,
+            confirm: "P2".into(),
+            principal: operator(),
+            reason: "somebody put it there".into(),
+        })
+        .unwrap();
     until_asked(&mut w, Fault::TargetBlocked);
     until(&mut w, job, JobState::Suspended);
-    w.answer(Answer::PutBack, Detail::None).unwrap();
+    let _reply = w.answer(Answer::PutBack, Detail::None).unwrap();
     until(&mut w, job, JobState::Stopped);
-    assert_eq!(w.loads["P1"], Location::Fixed { place: "rack/c".into() });
+    assert_eq!(
+        w.loads["P1"],
+        Location::Fixed {
+            place: "rack/c".into()
+        }
+    );
 }
 
 fn f19(which: Which) {
@@ -625,17 +857,28 @@ fn f19(which: Which) {
     m1(&mut w).leaves = false;
     let job = start(&mut w, which);
     until_asked(&mut w, Fault::DoesNotLeave);
-    let grants = m1(&mut w).got.iter().filter(|m| **m == Message::ExitGranted).count();
+    let grants = m1(&mut w)
+        .got
+        .iter()
+        .filter(|m| **m == Message::ExitGranted)
+        .count();
     assert_eq!(grants, 4, "once and three times again");
     if which == A {
         until(&mut w, job, JobState::Complete);
     }
     let held: Vec<_> = w.cell.claims();
-    assert!(held.iter().any(|c| c.resource == workflow::Resource::Point(world::POINT.into())));
+    assert!(
+        held.iter()
+            .any(|c| c.resource == workflow::Resource::Point(world::POINT.into()))
+    );
     m1(&mut w).leaves = true;
-    w.answer(Answer::Retry, Detail::None).unwrap();
+    let _reply = w.answer(Answer::Retry, Detail::None).unwrap();
     w.complete(job);
-    assert!(w.run(30_000, |w| w.cell.claims().is_empty()), "{}", w.story());
+    assert!(
+        w.run(30_000, |w| w.cell.claims().is_empty()),
+        "{}",
+        w.story()
+    );
 }
 
 #[test]
@@ -647,9 +890,19 @@ fn f20_a_failed_transport_is_sent_again_then_asked_b() {
     let job = w.create(spec);
     until_asked(&mut w, Fault::TransportFailed);
     until(&mut w, job, JobState::Suspended);
-    assert!(!w.cell.claims().iter().any(|c| matches!(c.resource, workflow::Resource::Point(_))));
-    let _old = w.loads.insert("P1".into(), Location::Delivered { destination: "warehouse".into() });
-    w.answer(Answer::MarkDelivered, Detail::None).unwrap();
+    assert!(
+        !w.cell
+            .claims()
+            .iter()
+            .any(|c| matches!(c.resource, workflow::Resource::Point(_)))
+    );
+    let _old = w.loads.insert(
+        "P1".into(),
+        Location::Delivered {
+            destination: "warehouse".into(),
+        },
+    );
+    let _reply = w.answer(Answer::MarkDelivered, Detail::None).unwrap();
     w.complete(job);
 }
 
@@ -663,7 +916,13 @@ fn f21(which: Which) {
         }
         w.crash();
         let ok = w.run(200_000, |w| w.state(job) == JobState::Complete);
-        assert!(ok, "crash at tick {at}: {:?} {:?}\n{}", w.state(job), w.open_question(), w.story());
+        assert!(
+            ok,
+            "crash at tick {at}: {:?} {:?}\n{}",
+            w.state(job),
+            w.open_question(),
+            w.story()
+        );
         w.judge_custody();
     }
 }
@@ -678,8 +937,11 @@ fn f21_an_interrupted_grip_is_never_guessed() {
     until_asked(&mut w, Fault::NoAnswer);
     let q = w.open_question().unwrap();
     assert!(q.question.answers.contains(&Answer::Happened));
-    assert!(!q.question.answers.contains(&Answer::Replan), "a grip is not simply done again");
-    w.answer(Answer::Happened, Detail::None).unwrap();
+    assert!(
+        !q.question.answers.contains(&Answer::Replan),
+        "a grip is not simply done again"
+    );
+    let _reply = w.answer(Answer::Happened, Detail::None).unwrap();
     r1(&mut w).doubt_for_good = false;
     w.complete(job);
 }
@@ -688,13 +950,20 @@ fn f22(which: Which) {
     let mut w = World::new();
     let job = start(&mut w, which);
     until_in_zone(&mut w);
-    w.input(Input::Control { jobs_may_act: false }).unwrap();
+    let _reply = w
+        .input(Input::Control {
+            jobs_may_act: false,
+        })
+        .unwrap();
     until(&mut w, job, JobState::Held);
     assert!(has(&w, job, Fault::ControlLost));
-    assert!(w.command(job, Command::Unhold).is_err(), "control has to come back first");
-    w.input(Input::Control { jobs_may_act: true }).unwrap();
+    assert!(
+        w.command(job, Command::Unhold).is_err(),
+        "control has to come back first"
+    );
+    let _reply = w.input(Input::Control { jobs_may_act: true }).unwrap();
     assert!(!w.run(10_000, |w| w.state(job) != JobState::Held));
-    w.command(job, Command::Unhold).unwrap();
+    let _reply = w.command(job, Command::Unhold).unwrap();
     w.complete(job);
 }
 
@@ -703,7 +972,10 @@ fn f23(which: Which) {
     (w.odds.duplicated, w.odds.reordered) = (700, 500);
     let job = start(&mut w, which);
     w.complete(job);
-    let duplicates = w.answers.iter().filter(|(_, a)| *a == SignalAnswer::Accepted { duplicate: true });
+    let duplicates = w
+        .answers
+        .iter()
+        .filter(|(_, a)| *a == SignalAnswer::Accepted { duplicate: true });
     assert!(duplicates.count() > 3);
     // A stale one: closed sessions are gone, and nothing happens.
     let session = w.cell.sessions(w.now)[0].id;
@@ -713,31 +985,43 @@ fn f23(which: Which) {
     assert!(w.run(5_000, |w| w.mobiles["m1"].sending.is_empty()));
     w.say("m1", SignalKind::MrDocked);
     assert!(w.run(5_000, |w| w.mobiles["m1"].sending.is_empty()));
-    let (_, last) = w.answers.iter().rev().find(|(k, _)| *k == SignalKind::MrDocked).unwrap();
+    let (_, last) = w
+        .answers
+        .iter()
+        .rev()
+        .find(|(k, _)| *k == SignalKind::MrDocked)
+        .unwrap();
     assert!(matches!(last, SignalAnswer::Closed { .. }), "{last:?}");
 }
 
 #[test]
 fn f23_a_gap_is_refused_with_what_was_expected() {
     let mut w = World::new();
-    assert!(w.run(5_000, |w| w.mobiles["m1"].seq > 2 && w.mobiles["m1"].sending.is_empty()));
+    assert!(w.run(5_000, |w| w.mobiles["m1"].seq > 2
+        && w.mobiles["m1"].sending.is_empty()));
     w.say("m1", SignalKind::LoadChanged);
     let mut signal = m1(&mut w).sending.pop_front().unwrap();
     let expected = signal.seq;
     signal.seq += 5;
-    let Ok(Reply::Signal(SignalAnswer::Conflict { expected: e, got, .. })) =
-        w.input(Input::Signal(Box::new(signal.clone())))
+    let Ok(Reply::Signal(SignalAnswer::Conflict {
+        expected: e, got, ..
+    })) = w.input(Input::Signal(Box::new(signal.clone())))
     else {
         panic!("accepted")
     };
-    assert!(e.contains(&format!("seq {expected}")) && got.contains(&format!("seq {}", expected + 5)));
+    assert!(
+        e.contains(&format!("seq {expected}")) && got.contains(&format!("seq {}", expected + 5))
+    );
     // Next but one: parked, and acted on when its predecessor comes.
     signal.seq = expected + 1;
     let parked = w.input(Input::Signal(Box::new(signal.clone()))).unwrap();
     assert_eq!(parked, Reply::Signal(SignalAnswer::Parked));
     signal.seq = expected;
     let first = w.input(Input::Signal(Box::new(signal))).unwrap();
-    assert_eq!(first, Reply::Signal(SignalAnswer::Accepted { duplicate: false }));
+    assert_eq!(
+        first,
+        Reply::Signal(SignalAnswer::Accepted { duplicate: false })
+    );
     assert_eq!(w.cell.mobile_robots()[0].last_seq, expected + 1);
 }
 
@@ -745,14 +1029,16 @@ fn f24(which: Which) {
     let mut w = World::new();
     let job = start(&mut w, which);
     until_in_zone(&mut w);
-    w.input(Input::Journal { writable: false }).unwrap();
+    let _reply = w.input(Input::Journal { writable: false }).unwrap();
     let before = w.journal.len();
-    let refused = w.input(Input::CreateJob { job: Box::new(delivery()) });
+    let refused = w.input(Input::CreateJob {
+        job: Box::new(delivery()),
+    });
     assert_eq!(refused, Err(Refusal::JournalUnavailable));
     assert_eq!(w.journal.len(), before);
-    w.input(Input::Journal { writable: true }).unwrap();
+    let _reply = w.input(Input::Journal { writable: true }).unwrap();
     until(&mut w, job, JobState::Held);
     assert!(has(&w, job, Fault::JournalUnwritable));
-    w.command(job, Command::Unhold).unwrap();
+    let _reply = w.command(job, Command::Unhold).unwrap();
     w.complete(job);
 }

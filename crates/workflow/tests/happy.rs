@@ -1,5 +1,21 @@
 //! Both workflows without a fault.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    clippy::wildcard_enum_match_arm,
+    clippy::panic,
+    clippy::cast_possible_truncation,
+    clippy::print_stdout,
+    clippy::too_many_lines,
+    clippy::struct_excessive_bools,
+    clippy::type_complexity,
+    clippy::enum_glob_use,
+    clippy::manual_is_multiple_of,
+    clippy::match_same_arms,
+    reason = "a test stops where it is wrong"
+)]
+
 mod world;
 
 use workflow::{CompleteOn, JobState, Location};
@@ -10,7 +26,12 @@ fn a_delivery_is_placed_and_the_mobile_robot_leaves() {
     let mut w = World::new();
     let job = w.create(delivery());
     w.complete(job);
-    assert_eq!(w.loads["L1"], Location::Fixed { place: "rack/a".into() });
+    assert_eq!(
+        w.loads["L1"],
+        Location::Fixed {
+            place: "rack/a".into()
+        }
+    );
     assert!(w.cell.claims().is_empty(), "{:?}", w.cell.claims());
     assert!(w.cell.sessions(w.now).iter().all(|s| s.state.is_closed()));
 }
@@ -22,7 +43,12 @@ fn two_items_are_placed_one_after_the_other() {
     job.items.push(item(Some("L2"), "s2", "rack/b"));
     let job = w.create(job);
     w.complete(job);
-    assert_eq!(w.loads["L2"], Location::Fixed { place: "rack/b".into() });
+    assert_eq!(
+        w.loads["L2"],
+        Location::Fixed {
+            place: "rack/b".into()
+        }
+    );
 }
 
 #[test]
@@ -32,9 +58,13 @@ fn an_early_release_lets_the_mobile_robot_go_before_the_load_is_placed() {
     job.early_release = true;
     let job = w.create(job);
     // It drives out while the load is still in the gripper.
-    assert!(w.run(60_000, |w| w.mobiles["m1"].state.driving
-        && w.mobiles["m1"].got.contains(&workflow::Message::TransferDone)
-        && w.arms["r1"].holds.is_some()));
+    assert!(w.run(60_000, |w| {
+        w.mobiles["m1"].state.driving
+            && w.mobiles["m1"]
+                .got
+                .contains(&workflow::Message::TransferDone)
+            && w.arms["r1"].holds.is_some()
+    }));
     w.complete(job);
     assert!(w.run(20_000, |w| w.cell.claims().is_empty()));
 }
@@ -44,10 +74,23 @@ fn a_pickup_ends_at_its_destination() {
     let mut w = World::new();
     let job = w.create(pickup());
     w.complete(job);
-    assert_eq!(w.loads["P1"], Location::Delivered { destination: "warehouse".into() });
     assert_eq!(
-        w.cell.custody().iter().find(|l| l.id == "P1").unwrap().load.location,
-        Location::Delivered { destination: "warehouse".into() }
+        w.loads["P1"],
+        Location::Delivered {
+            destination: "warehouse".into()
+        }
+    );
+    assert_eq!(
+        w.cell
+            .custody()
+            .iter()
+            .find(|l| l.id == "P1")
+            .unwrap()
+            .load
+            .location,
+        Location::Delivered {
+            destination: "warehouse".into()
+        }
     );
 }
 
@@ -61,9 +104,13 @@ fn a_prefetched_load_waits_in_the_gripper() {
     job.complete_on = CompleteOn::Departed;
     w.mobiles.get_mut("m2").unwrap().arrives = false;
     let id = w.create(job);
-    assert!(w.run(20_000, |w| w.arms["r1"].holds.is_some() && w.arms["r1"].moving.is_none()));
+    assert!(w.run(20_000, |w| w.arms["r1"].holds.is_some()
+        && w.arms["r1"].moving.is_none()));
     w.mobiles.get_mut("m2").unwrap().arrives = true;
-    assert_eq!(w.cell.job(w.now, id).unwrap().mobile_robot.as_deref(), Some("m2"));
+    assert_eq!(
+        w.cell.job(w.now, id).unwrap().mobile_robot.as_deref(),
+        Some("m2")
+    );
     let ok = w.run(700_000, |w| w.state(id) == JobState::Complete);
     assert!(ok, "{}", w.story());
 }
@@ -74,12 +121,16 @@ fn two_arms_and_two_mobile_robots_take_turns_at_one_point() {
     let mut second = pickup();
     (second.arm, second.mobile_robot) = (Some("r2".into()), Some("m2".into()));
     second.priority = 5;
-    let jobs = [w.create(delivery()), w.create(second), w.create({
-        let mut third = delivery();
-        third.items = vec![item(Some("L2"), "s2", "rack/b")];
-        (third.arm, third.priority) = (None, 9);
-        third
-    })];
+    let jobs = [
+        w.create(delivery()),
+        w.create(second),
+        w.create({
+            let mut third = delivery();
+            third.items = vec![item(Some("L2"), "s2", "rack/b")];
+            (third.arm, third.priority) = (None, 9);
+            third
+        }),
+    ];
     assert_eq!(w.cell.queue(), [jobs[2], jobs[1]], "by priority");
     for job in jobs {
         let ok = w.run(300_000, |w| w.state(job) == JobState::Complete);
@@ -97,7 +148,10 @@ fn a_job_that_could_not_start_in_time_is_stopped() {
     late.deadline = Some(w.now + 3_000);
     let late = w.create(late);
     assert!(w.run(10_000, |w| w.state(late) == JobState::Stopped));
-    assert_eq!(w.cell.job(w.now, late).unwrap().why, workflow::Why::DeadlinePassed);
+    assert_eq!(
+        w.cell.job(w.now, late).unwrap().why,
+        workflow::Why::DeadlinePassed
+    );
     w.complete(first);
 }
 
@@ -115,7 +169,11 @@ fn a_signal_at_a_configured_point_starts_a_job() {
     m.state.at_point = Some(world::POINT.into());
     w.say("m1", workflow::SignalKind::MrReady);
     w.mobiles.get_mut("m1").unwrap().state.at_point = None;
-    assert!(w.run(2_000, |w| !w.cell.jobs(w.now).is_empty()), "{:?}", w.answers);
+    assert!(
+        w.run(2_000, |w| !w.cell.jobs(w.now).is_empty()),
+        "{:?}",
+        w.answers
+    );
     let job = w.cell.jobs(w.now)[0].clone();
     assert_eq!(job.trigger.as_deref(), Some("unload"));
     w.complete(job.id);

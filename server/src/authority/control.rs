@@ -107,7 +107,6 @@ impl CellControl {
     }
 
     /// What changes, as it changes.
-    #[cfg_attr(not(test), expect(dead_code, reason = "for the links and the jobs"))]
     pub(crate) fn watch(&self) -> watch::Receiver<ControlNews> {
         self.news.subscribe()
     }

@@ -2,6 +2,7 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::time::Duration;
 
+use jiff::Timestamp;
 use journal::{Appended, CellDecided, Claim, LookupError, Position, ReadError, Record, Replay};
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
@@ -16,6 +17,7 @@ use super::clock::CellClock;
 use super::handle::{Ask, CellHandle, Refused, Told};
 use super::ids::Ids;
 use super::places::Places;
+use super::told::TellTimes;
 use crate::clock::WallClock;
 use crate::journal::{SharedJournal, Trouble};
 
@@ -56,6 +58,7 @@ pub enum StartError {
 #[derive(Debug)]
 pub(crate) struct Recovered {
     cell: Cell,
+    told: TellTimes,
     places: Places,
     /// How many decisions were read.
     pub(crate) decisions: usize,
@@ -70,8 +73,10 @@ impl Recovered {
         id: &str,
         setup: Setup,
         journal: &SharedJournal,
+        now: Timestamp,
     ) -> Result<Self, StartError> {
         let mut cell = Cell::new(setup);
+        let told = TellTimes::of(journal, now);
         let places = Places::default();
         let (mut after, mut decisions) = (Position::default(), 0);
         loop {
@@ -86,20 +91,27 @@ impl Recovered {
                 let Record::CellDecided(decided) = &stored.record else {
                     continue;
                 };
-                let facts: Vec<Fact> =
-                    serde_json::from_str(&decided.facts).map_err(|source| StartError::Decision {
+                let facts: Vec<Fact> = serde_json::from_str(&decided.facts).map_err(|source| {
+                    StartError::Decision {
                         cell: id.to_owned(),
                         position: after,
                         source,
-                    })?;
+                    }
+                })?;
                 places.note(after, facts.iter());
                 for fact in &facts {
                     cell.replay(fact);
+                    if let Fact::Told { mobile_robot, .. } = fact
+                        && let Some(last) = cell.outbox(mobile_robot, 0).last()
+                    {
+                        told.note(mobile_robot, last.n, stored.at.wall);
+                    }
                 }
             }
             if page.len() < PAGE {
                 return Ok(Self {
                     cell,
+                    told,
                     places,
                     decisions,
                 });
@@ -130,11 +142,13 @@ impl Driver {
             view.subscribe(),
             self.clock.clone(),
             places.clone(),
+            recovered.told.clone(),
         );
         let ids = Ids::new(Arc::clone(&self.wall));
         let tracker = self.tracker.clone();
         let task = Task {
             cell: recovered.cell,
+            told: recovered.told,
             driver: self,
             ids,
             view,
@@ -150,6 +164,7 @@ impl Driver {
 
 struct Task {
     cell: Cell,
+    told: TellTimes,
     driver: Driver,
     ids: Ids,
     view: watch::Sender<Arc<Cell>>,
@@ -367,12 +382,16 @@ impl Task {
             Effect::Tell {
                 mobile_robot,
                 message,
-            } => tracing::info!(
-                cell.id = self.driver.id,
-                mobile_robot.id = mobile_robot,
-                n = message.n,
-                "a message for a mobile robot"
-            ),
+            } => {
+                self.told
+                    .note(&mobile_robot, message.n, self.driver.wall.now());
+                tracing::info!(
+                    cell.id = self.driver.id,
+                    mobile_robot.id = mobile_robot,
+                    n = message.n,
+                    "a message for a mobile robot"
+                );
+            }
             Effect::Ask { intervention } => tracing::warn!(
                 cell.id = self.driver.id,
                 %intervention,
@@ -413,11 +432,12 @@ impl Task {
             let result = ends.await;
             if let Some(asks) = asks.upgrade() {
                 let input = Input::OperationEnded { op, result };
-                let _stopping = asks.send(Ask {
-                input,
-                claim: None,
-                answer: None,
-            }).await;
+                let ask = Ask {
+                    input,
+                    claim: None,
+                    answer: None,
+                };
+                let _stopping = asks.send(ask).await;
             }
         }));
     }

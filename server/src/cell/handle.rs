@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use jiff::Timestamp;
 use journal::Claim;
 use tokio::sync::{mpsc, oneshot, watch};
 use uuid::Uuid;
@@ -7,6 +8,7 @@ use workflow::{Cell, Input, Refusal, Reply};
 
 use super::clock::CellClock;
 use super::places::{Places, Span};
+use super::told::TellTimes;
 use crate::journal::Trouble;
 
 /// A way to a cell's driver.
@@ -16,6 +18,7 @@ pub(crate) struct CellHandle {
     view: watch::Receiver<Arc<Cell>>,
     clock: CellClock,
     places: Places,
+    pub(super) told: TellTimes,
 }
 
 /// Something for the driver.
@@ -55,12 +58,14 @@ impl CellHandle {
         view: watch::Receiver<Arc<Cell>>,
         clock: CellClock,
         places: Places,
+        told: TellTimes,
     ) -> Self {
         Self {
             asks,
             view,
             clock,
             places,
+            told,
         }
     }
 
@@ -107,5 +112,15 @@ impl CellHandle {
     /// The cell as it changes.
     pub(crate) fn watch(&self) -> watch::Receiver<Arc<Cell>> {
         self.view.clone()
+    }
+
+    /// Notes that a mobile robot was heard.
+    pub(crate) fn heard(&self, mobile_robot: &str, at: Timestamp) {
+        self.told.heard(mobile_robot, at);
+    }
+
+    /// When a mobile robot was last heard, in this process.
+    pub(crate) fn heard_at(&self, mobile_robot: &str) -> Option<Timestamp> {
+        self.told.heard_at(mobile_robot)
     }
 }

@@ -16,8 +16,11 @@ mod handle;
 mod ids;
 mod motion_arm;
 mod observe;
+mod outbox;
+mod push;
 mod places;
 mod start;
+mod told;
 
 pub(crate) use clock::CellClock;
 pub use driver::StartError;
@@ -25,4 +28,6 @@ pub(crate) use driver::told_before;
 pub(crate) use handle::{CellHandle, Refused, Told};
 pub(crate) use observe::safety;
 pub(crate) use places::{Span, Subject, subject};
+pub(crate) use outbox::Outboxes;
+pub(crate) use push::push;
 pub(crate) use start::Parts;

@@ -24,10 +24,10 @@ use crate::motions::{
 };
 use crate::problem::Problem;
 use crate::request_id::RequestId;
-use crate::setup::path::joint_path;
-use crate::setup::resolve::Resolved;
 use crate::setup::SetupBook;
 use crate::setup::book::Kept;
+use crate::setup::path::joint_path;
+use crate::setup::resolve::Resolved;
 use crate::state::Robot;
 
 /// Joint motions through free space, and near loads and in a zone: percent of the joints' own speeds.
@@ -235,7 +235,10 @@ impl MotionArm {
             request_id: RequestId::recorded(&operation.op.to_string()),
             principal: Arc::from(self.control.actor()),
             reason: Some(format!("job {}", operation.job)),
-            not_after: motions.now().saturating_add(not_after).unwrap_or(motions.now()),
+            not_after: motions
+                .now()
+                .saturating_add(not_after)
+                .unwrap_or(motions.now()),
             begin_by: Instant::now() + NOT_AFTER,
             claim,
             control: self.control.clone(),
@@ -394,7 +397,10 @@ fn asked_motion(to: &Resolved, interpolation: Interpolation, pace: Pace) -> Aske
 
 /// Millimeters and degrees of a pose that passed every limit, in the wire's thousandths.
 fn thousandths(value: f64) -> i32 {
-    #[expect(clippy::cast_possible_truncation, reason = "an arm's reach and angles fit many times")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "an arm's reach and angles fit many times"
+    )]
     let rounded = (value * 1_000.0).round() as i32;
     rounded
 }

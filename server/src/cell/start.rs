@@ -41,7 +41,8 @@ impl Parts<'_> {
         let scales = self.robots.iter().map(|robot| robot.plan.time_scale);
         let scale = scales.fold(1.0, f64::max);
         // Every set-up is itself a decision, so that what comes after it can be folded again.
-        let recovered = Recovered::read(self.id, Setup::default(), self.journal).await?;
+        let recovered =
+            Recovered::read(self.id, Setup::default(), self.journal, self.wall.now()).await?;
         let handle = Driver {
             id: self.id.to_owned(),
             journal: self.journal.clone(),

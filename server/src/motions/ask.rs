@@ -118,10 +118,7 @@ pub(crate) fn resolve(
                 ..asked
             })
         }
-        (
-            MotionType::Joint | MotionType::Linear | MotionType::Relative | MotionType::Output,
-            _,
-        ) => {
+        (MotionType::Joint | MotionType::Linear | MotionType::Relative | MotionType::Output, _) => {
             Err(invalid("target", "this motion needs another target", None))
         }
     }

@@ -5,10 +5,10 @@
 //! last.
 
 use std::collections::{BTreeSet, VecDeque};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use jiff::Timestamp;
-use tokio::sync::watch;
+use jiff::{SignedDuration, Timestamp};
+use tokio::sync::Notify;
 use tokio::time::{Instant, timeout_at};
 use uuid::{ContextV7, Uuid};
 
@@ -22,8 +22,6 @@ pub(crate) const CAPACITY: usize = 1_000;
 #[derive(Debug)]
 pub(crate) struct Book {
     kept: Mutex<Kept>,
-    /// One more at each change: the revision of what is known here.
-    changed: watch::Sender<u64>,
 }
 
 #[derive(Debug)]
@@ -31,8 +29,17 @@ struct Kept {
     ids: ContextV7,
     /// No id is older than this: the wall clock may have been set back while the server was down.
     floor: Timestamp,
-    records: VecDeque<Record>,
+    slots: VecDeque<Slot>,
     doubts: BTreeSet<Uuid>,
+    /// One more at each change: the revision of what is known here.
+    revision: u64,
+}
+
+/// A motion and those who wait for it: a change wakes nobody who waits for another motion.
+#[derive(Debug)]
+struct Slot {
+    record: Record,
+    changed: Arc<Notify>,
 }
 
 /// A motion that is about to be entered.
@@ -40,7 +47,7 @@ struct Kept {
 pub(crate) struct Entry {
     pub(crate) asked: Asked,
     pub(crate) request_id: RequestId,
-    pub(crate) principal: std::sync::Arc<str>,
+    pub(crate) principal: Arc<str>,
     pub(crate) reason: Option<String>,
     pub(crate) not_after: Option<Timestamp>,
 }
@@ -51,10 +58,10 @@ impl Default for Book {
             kept: Mutex::new(Kept {
                 ids: ContextV7::new(),
                 floor: Timestamp::UNIX_EPOCH,
-                records: VecDeque::new(),
+                slots: VecDeque::new(),
                 doubts: BTreeSet::new(),
+                revision: 0,
             }),
-            changed: watch::Sender::new(0),
         }
     }
 }
@@ -69,39 +76,40 @@ impl Book {
     /// journal knows, or under a new one.
     pub(crate) fn enter(&self, entry: Entry, id: Option<Uuid>, created_at: Timestamp) -> Uuid {
         let in_journal = id.is_some();
-        let id = {
-            let mut kept = self.lock();
-            let id = id.unwrap_or_else(|| kept.new_id(created_at));
-            kept.make_room();
-            kept.insert(Record {
-                id,
-                asked: entry.asked,
-                created_at,
-                request_id: entry.request_id,
-                principal: entry.principal,
-                reason: entry.reason,
-                not_after: entry.not_after,
-                progress: Progress::Queued,
-                decision: None,
-                in_journal,
-            });
-            id
-        };
-        self.tell();
+        let mut kept = self.lock();
+        let id = id.unwrap_or_else(|| kept.new_id(created_at));
+        kept.make_room();
+        kept.insert(Record {
+            id,
+            asked: entry.asked,
+            created_at,
+            request_id: entry.request_id,
+            principal: entry.principal,
+            reason: entry.reason,
+            not_after: entry.not_after,
+            progress: Progress::Queued,
+            decision: None,
+            in_journal,
+        });
         id
     }
 
     /// Takes up a motion of an earlier process.
     pub(crate) fn restore(&self, record: Record) {
         let mut kept = self.lock();
-        kept.floor = kept.floor.max(record.created_at);
+        // By the id, which is later than the record where the clock had gone back; and a millisecond on: within one, the
+        // order of ids is only known to the process that made them.
+        let named = named_at(record.id).unwrap_or(record.created_at);
+        let behind = named.max(record.created_at);
+        let behind = behind
+            .checked_add(SignedDuration::from_millis(1))
+            .unwrap_or(behind);
+        kept.floor = kept.floor.max(behind);
         if record.progress.is_in_doubt() {
             let _new = kept.doubts.insert(record.id);
         }
         kept.make_room();
         kept.insert(record);
-        drop(kept);
-        self.tell();
     }
 
     /// Changes a motion's progress if `change` says how, and returns whether it did.
@@ -110,27 +118,15 @@ impl Book {
         id: Uuid,
         change: impl FnOnce(&Progress) -> Option<Progress>,
     ) -> bool {
-        let changed = self.lock().update(id, change);
-        if changed {
-            self.tell();
-        }
-        changed
+        self.lock().update(id, change)
     }
 
     /// Changes a record as a whole.
     pub(crate) fn amend(&self, id: Uuid, change: impl FnOnce(&mut Record)) {
-        {
-            let mut kept = self.lock();
-            let Some(index) = kept.position(id) else {
-                return;
-            };
-            if let Some(record) = kept.records.get_mut(index) {
-                change(record);
-                let in_doubt = record.progress.is_in_doubt();
-                kept.note_doubt(id, in_doubt);
-            }
-        }
-        self.tell();
+        let _is_known = self.lock().amend(id, |record| {
+            change(record);
+            true
+        });
     }
 
     pub(crate) fn get(&self, id: Uuid) -> Option<Record> {
@@ -141,16 +137,17 @@ impl Book {
     pub(crate) fn look<T>(&self, id: Uuid, look: impl FnOnce(&Record) -> T) -> Option<T> {
         let kept = self.lock();
         let index = kept.position(id)?;
-        kept.records.get(index).map(look)
+        kept.slots.get(index).map(|slot| look(&slot.record))
     }
 
     /// Up to `limit` motions, newest first, all older than `before`, and whether there are more.
     pub(crate) fn page(&self, before: Option<Uuid>, limit: usize) -> (Vec<Record>, bool) {
         let kept = self.lock();
         let mut older = kept
-            .records
+            .slots
             .iter()
             .rev()
+            .map(|slot| &slot.record)
             .skip_while(|record| before.is_some_and(|before| record.id >= before));
         let page: Vec<_> = older.by_ref().take(limit).cloned().collect();
         (page, older.next().is_some())
@@ -160,8 +157,8 @@ impl Book {
     pub(crate) fn doubts(&self) -> Vec<Record> {
         let kept = self.lock();
         let ids = kept.doubts.iter();
-        ids.filter_map(|id| kept.records.get(kept.position(*id)?))
-            .cloned()
+        ids.filter_map(|id| kept.slots.get(kept.position(*id)?))
+            .map(|slot| slot.record.clone())
             .collect()
     }
 
@@ -181,7 +178,7 @@ impl Book {
 
     /// How often anything here has changed.
     pub(crate) fn revision(&self) -> u64 {
-        *self.changed.borrow()
+        self.lock().revision
     }
 
     /// Waits until `done` is true of a motion, or until `limit`; returns the motion as it is then.
@@ -191,27 +188,27 @@ impl Book {
         limit: Instant,
         done: impl Fn(&Progress) -> bool,
     ) -> Option<Record> {
-        let mut changes = self.changed.subscribe();
+        let wake_up = self.lock().wake_up(id)?;
         loop {
-            drop(changes.borrow_and_update());
-            let record = self.get(id)?;
-            if done(&record.progress) || timeout_at(limit, changes.changed()).await.is_err() {
-                return Some(record);
+            // Counts from here on: a change between the look and the wait is not missed.
+            let changed = wake_up.notified();
+            let record = self.look(id, |record| done(&record.progress).then(|| record.clone()))?;
+            if record.is_some() {
+                return record;
+            }
+            if timeout_at(limit, changed).await.is_err() {
+                return self.get(id);
             }
         }
     }
 
     fn those(&self, which: impl Fn(&Progress) -> bool) -> Vec<Uuid> {
         let kept = self.lock();
-        let records = kept.records.iter();
+        let records = kept.slots.iter().map(|slot| &slot.record);
         records
             .filter(|record| which(&record.progress))
             .map(|record| record.id)
             .collect()
-    }
-
-    fn tell(&self) {
-        self.changed.send_modify(|revision| *revision += 1);
     }
 
     fn lock(&self) -> MutexGuard<'_, Kept> {
@@ -223,38 +220,54 @@ impl Book {
 impl Kept {
     fn position(&self, id: Uuid) -> Option<usize> {
         // The motion asked for is the newest one in nearly every call.
-        match self.records.back() {
-            Some(newest) if newest.id == id => Some(self.records.len() - 1),
-            _ => self
-                .records
-                .binary_search_by(|record| record.id.cmp(&id))
-                .ok(),
+        match self.slots.back() {
+            Some(newest) if newest.record.id == id => Some(self.slots.len() - 1),
+            _ => self.place_of(id).ok(),
         }
+    }
+
+    fn place_of(&self, id: Uuid) -> Result<usize, usize> {
+        self.slots.binary_search_by(|slot| slot.record.id.cmp(&id))
+    }
+
+    fn wake_up(&self, id: Uuid) -> Option<Arc<Notify>> {
+        let slot = self.slots.get(self.position(id)?)?;
+        Some(Arc::clone(&slot.changed))
     }
 
     fn insert(&mut self, record: Record) {
         // Nearly always at the end: two motions may wait for the journal in another order than they got their names.
-        match self
-            .records
-            .binary_search_by(|known| known.id.cmp(&record.id))
-        {
-            Ok(_) => {}
-            Err(index) => self.records.insert(index, record),
+        if let Err(index) = self.place_of(record.id) {
+            let changed = Arc::default();
+            self.slots.insert(index, Slot { record, changed });
+            self.revision += 1;
         }
     }
 
     fn update(&mut self, id: Uuid, change: impl FnOnce(&Progress) -> Option<Progress>) -> bool {
+        self.amend(id, |record| match change(&record.progress) {
+            Some(progress) => {
+                record.progress = progress;
+                true
+            }
+            None => false,
+        })
+    }
+
+    /// Changes a record and tells those who wait for it, if `change` says that it did.
+    fn amend(&mut self, id: Uuid, change: impl FnOnce(&mut Record) -> bool) -> bool {
         let Some(index) = self.position(id) else {
             return false;
         };
-        let Some(record) = self.records.get_mut(index) else {
+        let Some(slot) = self.slots.get_mut(index) else {
             return false;
         };
-        let Some(progress) = change(&record.progress) else {
+        if !change(&mut slot.record) {
             return false;
-        };
-        let in_doubt = progress.is_in_doubt();
-        record.progress = progress;
+        }
+        slot.changed.notify_waiters();
+        let in_doubt = slot.record.progress.is_in_doubt();
+        self.revision += 1;
         self.note_doubt(id, in_doubt);
         true
     }
@@ -268,18 +281,19 @@ impl Kept {
     }
 
     fn make_room(&mut self) {
-        if self.records.len() < CAPACITY {
+        if self.slots.len() < CAPACITY {
             return;
         }
         let find = |which: &dyn Fn(&Progress) -> bool| {
-            self.records
+            self.slots
                 .iter()
-                .position(|record| which(&record.progress))
+                .position(|slot| which(&slot.record.progress))
         };
         let oldest = find(&|progress| progress.end().is_some() && !progress.is_in_doubt())
             .or_else(|| find(&|progress| progress.end().is_some()));
-        if let Some(record) = oldest.and_then(|index| self.records.remove(index)) {
-            self.note_doubt(record.id, false);
+        if let Some(slot) = oldest.and_then(|index| self.slots.remove(index)) {
+            slot.changed.notify_waiters();
+            self.note_doubt(slot.record.id, false);
         }
     }
 
@@ -291,9 +305,15 @@ impl Kept {
     }
 }
 
+/// When an id was made, by itself.
+fn named_at(id: Uuid) -> Option<Timestamp> {
+    let (seconds, nanos) = id.get_timestamp()?.to_unix();
+    Timestamp::new(i64::try_from(seconds).ok()?, i32::try_from(nanos).ok()?).ok()
+}
+
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
+    use std::sync::atomic::{AtomicUsize, Ordering};
 
     use axum::http::HeaderMap;
     use kinematics::ArmModel;
@@ -349,6 +369,16 @@ mod tests {
         assert!(enter(&after_a_restart, 100_000) > old.id);
     }
 
+    /// T1: the clock went back by 99 s, then the server was started again a second later.
+    #[test]
+    fn t1_ids_after_a_restart_sort_behind_those_made_while_the_clock_had_gone_back() {
+        let book = Book::default();
+        let (_first, last) = (enter(&book, 1_099), enter(&book, 1_000));
+        let after_a_restart = Book::default();
+        after_a_restart.restore(book.get(last).unwrap());
+        assert!(enter(&after_a_restart, 1_001) > last);
+    }
+
     #[test]
     fn the_oldest_motion_that_ended_is_forgotten_and_one_that_has_not_or_is_in_doubt_is_kept() {
         let book = Book::default();
@@ -390,5 +420,27 @@ mod tests {
             end(&book, id, End::Accepted);
         });
         assert!(record.unwrap().progress.end().is_some());
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn a_change_of_one_motion_does_not_wake_those_who_wait_for_another() {
+        let book = Arc::new(Book::default());
+        let (one, other) = (enter(&book, 1), enter(&book, 1));
+        let looks = AtomicUsize::new(0);
+        let limit = Instant::now() + std::time::Duration::from_secs(1);
+        let ended = |progress: &Progress| {
+            let _before = looks.fetch_add(1, Ordering::Relaxed);
+            progress.end().is_some()
+        };
+        let (record, ()) = tokio::join!(book.wait(one, limit, ended), async {
+            end(&book, other, End::Accepted);
+            let _new = enter(&book, 2);
+            // Lets the waiting one run, if it was woken.
+            tokio::task::yield_now().await;
+            assert_eq!(looks.load(Ordering::Relaxed), 1);
+            end(&book, one, End::Accepted);
+        });
+        assert!(record.unwrap().progress.end().is_some());
+        assert_eq!(looks.load(Ordering::Relaxed), 2);
     }
 }

@@ -9,8 +9,8 @@ use jiff::Timestamp;
 use journal::{Claim, Hold, Mode, Observation, OutputLevel, Standstill};
 use kinematics::{Configuration, Elbow, Flip, Front};
 use protocol::v2::{
-    Command, FinishStatus, LinearSpeed, MotionNumber, Move, OperatingMode, Output, OutputNumber, Percent, StatusLine,
-    ValueError, WireConfiguration, WireJoints, WirePose,
+    Command, FinishStatus, LinearSpeed, MotionNumber, Move, OperatingMode, Output, OutputNumber,
+    Percent, StatusLine, ValueError, WireConfiguration, WireJoints, WirePose,
 };
 use tokio::time::Instant;
 use tokio_util::sync::CancellationToken;

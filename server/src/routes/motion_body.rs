@@ -168,7 +168,10 @@ fn check_target(body: &MotionBody, violations: &mut Vec<Violation>) {
             violations.push(violation("target", "a HOME motion has no target"));
         }
         (MotionType::Output, _) => {
-            violations.push(violation("type", "OUTPUT is no motion to ask for: only the cell's jobs set outputs"));
+            violations.push(violation(
+                "type",
+                "OUTPUT is no motion to ask for: only the cell's jobs set outputs",
+            ));
         }
         (MotionType::Linear | MotionType::Relative, true)
             if matches!(body.target, Some(TargetBody::Joints(_))) =>
@@ -193,10 +196,8 @@ fn check_target(body: &MotionBody, violations: &mut Vec<Violation>) {
             ));
         }
         (MotionType::Relative, Some(_))
-        | (
-            MotionType::Joint | MotionType::Linear | MotionType::Home | MotionType::Output,
-            None,
-        ) => {}
+        | (MotionType::Joint | MotionType::Linear | MotionType::Home | MotionType::Output, None) => {
+        }
     }
 }
 

@@ -1,25 +1,17 @@
 //! What a robot is, and what the server knows of it now.
 
-use api::{
-    ControllerState, JointDescription, LinkStatus, OperationalMode, PoseSource, RobotDescription,
-    RobotState,
-};
+use api::{JointDescription, LinkStatus, PoseSource, RobotDescription, RobotState};
 use axum::Json;
 use kinematics::Axis;
-use protocol::v2::OperatingMode;
 
 use super::params::{RobotOf, RobotPath};
 use super::responses::{AnyProblem, NotFound};
 use crate::config::RobotPlan;
-use crate::link::cell_server::{CellServerLink, Observed};
+use crate::link::cell_server::CellServerLink;
 use crate::link::{Base, Link};
-use crate::motions::point_of_thousandths;
 use crate::state::{Robot, RobotLink};
 use crate::target::sent_point;
-use crate::wire_bodies::{joints_body, pose_body, shown};
-
-/// The digital outputs and inputs that are reported.
-const LEVELS: [u8; 8] = [1, 2, 3, 4, 5, 6, 7, 8];
+use crate::wire_bodies::{joints_body, pose_body};
 
 /// Describes a robot: model, joints, limits, frames.
 #[utoipa::path(
@@ -88,9 +80,7 @@ fn seed_state(robot: &Robot, link: &Link) -> RobotState {
 fn controller_state(robot: &Robot, link: &CellServerLink) -> RobotState {
     let view = link.view();
     let (queued, queue_capacity) = link.depth();
-    let controller = view
-        .status
-        .map(|seen| reported(&seen, view.not_ready.map(|reason| reason.to_string())));
+    let (pose, pose_source) = view.pose();
     RobotState {
         id: robot.plan.id.clone(),
         cell: robot.plan.cell.clone(),
@@ -100,43 +90,13 @@ fn controller_state(robot: &Robot, link: &CellServerLink) -> RobotState {
             last_answer_at: None,
             last_failure: view.failure.as_ref().map(|(code, _)| *code),
         },
-        pose: view
-            .status
-            .map(|seen| pose_body(&point_of_thousandths(seen.line.pose.thousandths()))),
-        pose_source: match view.status {
-            Some(_) => PoseSource::Controller,
-            None => PoseSource::Unknown,
-        },
-        controller,
+        pose,
+        pose_source,
+        controller: view.controller_state(),
         queued,
         queue_capacity,
         last_motion: view.last_motion,
         revision: robot.motions.book.revision(),
-    }
-}
-
-fn reported(seen: &Observed, not_ready: Option<String>) -> ControllerState {
-    let line = &seen.line;
-    ControllerState {
-        age_ms: u64::try_from(seen.at.elapsed().as_millis()).unwrap_or(u64::MAX),
-        joints: line.joints.degrees().map(|joint| shown(joint.0)).into(),
-        moving: line.moving,
-        held: line.held,
-        mode: match line.mode {
-            OperatingMode::T1 => OperationalMode::ManualReducedSpeed,
-            OperatingMode::T2 => OperationalMode::ManualHighSpeed,
-            OperatingMode::Auto => OperationalMode::Automatic,
-        },
-        pendant_enabled: line.pendant,
-        alarm: (line.alarm != 0).then(|| format!("{}-{:03}", line.alarm / 1000, line.alarm % 1000)),
-        speed_override_percent: line.speed_override,
-        user_frame: line.user_frame,
-        tool: line.tool,
-        dead_man: line.dead_man,
-        outputs: LEVELS.map(|number| line.output(number)),
-        inputs: LEVELS.map(|number| line.input(number)),
-        boot: line.boot,
-        not_ready,
     }
 }
 

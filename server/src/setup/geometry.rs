@@ -26,6 +26,11 @@ pub(crate) struct Capsule {
 }
 
 impl ZoneBox {
+    /// Its outline on the floor: the smallest x and y, and the largest, in millimeters.
+    pub(crate) fn outline(&self) -> ([f64; 2], [f64; 2]) {
+        ([self.min.x, self.min.y], [self.max.x, self.max.y])
+    }
+
     /// The distance of a point from the box, in millimeters; negative inside: the depth.
     ///
     /// A convex function of the point, because the box is convex.

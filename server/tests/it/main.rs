@@ -24,6 +24,7 @@ mod legacy_moves;
 mod link_failures;
 mod link_queue;
 mod loads;
+mod mobile_signals;
 mod motions;
 mod refusals;
 mod serving;

@@ -16,8 +16,8 @@ mod work;
 use serde::{Deserialize, Serialize};
 
 pub use motion::{
-    Accepted, Arrival, Asked, Completion, End, Hold, Intent, Mode, NoMotion, Observation, Outcome, OutputLevel,
-    Repeatability, Standstill, Target,
+    Accepted, Arrival, Asked, Completion, End, Hold, Intent, Mode, NoMotion, Observation, Outcome,
+    OutputLevel, Repeatability, Standstill, Target,
 };
 pub use work::{
     Answer, Audit, AuditResult, CellDecided, Decision, JobCreated, JobEnd, JobEnded, JobStep,

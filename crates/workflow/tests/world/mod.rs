@@ -2,7 +2,11 @@
 //! What it knows is the truth; the cell's books are judged by it.
 
 #![allow(dead_code, reason = "each test file uses a part of it")]
-#![allow(unreachable_pub, missing_debug_implementations, reason = "shared by test files only")]
+#![allow(
+    unreachable_pub,
+    missing_debug_implementations,
+    reason = "shared by test files only"
+)]
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -12,12 +16,16 @@ use workflow::{
     GripAction, Input, ItemParams, JobState, LoadSetup, Location, Message, MobileMode,
     MobileRobotSetup, MobileState, NewJob, OnCancel, OpResult, OutMessage, Place, PlaceKind,
     PlaceRef, Point, PoseFailure, Principal, Refusal, Reply, Role, Safety, Setup, Signal,
-    SignalAnswer, SignalKind, SlotLoad, Taught, Target, Timers, Tolerance, Workflow,
+    SignalAnswer, SignalKind, SlotLoad, Target, Taught, Timers, Tolerance, Workflow,
 };
 
 pub const POINT: &str = "station/1";
 pub const ZONE: &str = "zone/1";
-const DOCK: BasePose = BasePose { x_mm: 1000.0, y_mm: 0.0, heading_deg: 90.0 };
+const DOCK: BasePose = BasePose {
+    x_mm: 1000.0,
+    y_mm: 0.0,
+    heading_deg: 90.0,
+};
 
 /// A deterministic source of chance.
 #[derive(Debug, Clone)]
@@ -81,6 +89,8 @@ pub struct ArmTruth {
     pub swallow_next: bool,
     pub not_executed_next: bool,
     pub blocked: BTreeSet<String>,
+    /// It lost its memory: what is not in `done` may have happened.
+    pub forgot: bool,
 }
 
 #[derive(Debug, Clone)]
@@ -113,6 +123,8 @@ pub struct MobileTruth {
     pub reports_loads: bool,
     pub lies_slot: Option<(String, Option<String>)>,
     pub got: Vec<Message>,
+    /// The last message it has read; the others wait in its outbox.
+    pub read: u64,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -153,27 +165,51 @@ pub struct World {
 }
 
 pub fn slot(name: &str) -> PlaceRef {
-    PlaceRef::MobileRobot { point: POINT.into(), slot: name.into() }
+    PlaceRef::MobileRobot {
+        point: POINT.into(),
+        slot: name.into(),
+    }
 }
 
 pub fn setup() -> Setup {
     let places = ["rack/a", "rack/b", "rack/c", "rack/d"];
     let mut all: Vec<_> = places
         .iter()
-        .map(|id| Place { id: (*id).into(), kind: PlaceKind::Fixed, accepts: vec![] })
+        .map(|id| Place {
+            id: (*id).into(),
+            kind: PlaceKind::Fixed,
+            accepts: vec![],
+        })
         .collect();
-    all.push(Place { id: "bin".into(), kind: PlaceKind::Reject, accepts: vec![] });
+    all.push(Place {
+        id: "bin".into(),
+        kind: PlaceKind::Reject,
+        accepts: vec![],
+    });
     let mut taught = Vec::new();
     for arm in ["r1", "r2"] {
         for place in places.iter().chain(&["bin"]) {
-            taught.push(Taught { arm: arm.into(), place: PlaceRef::fixed(*place) });
+            taught.push(Taught {
+                arm: arm.into(),
+                place: PlaceRef::fixed(*place),
+            });
         }
         for name in ["s1", "s2", "s3"] {
-            taught.push(Taught { arm: arm.into(), place: slot(name) });
+            taught.push(Taught {
+                arm: arm.into(),
+                place: slot(name),
+            });
         }
     }
-    let load = |id: &str, at: Location| LoadSetup { id: id.into(), kind: "box".into(), at };
-    let on = |name: &str| Location::MobileRobot { mobile_robot: "m1".into(), slot: name.into() };
+    let load = |id: &str, at: Location| LoadSetup {
+        id: id.into(),
+        kind: "box".into(),
+        at,
+    };
+    let on = |name: &str| Location::MobileRobot {
+        mobile_robot: "m1".into(),
+        slot: name.into(),
+    };
     Setup {
         arms: vec!["r1".into(), "r2".into()],
         mobile_robots: ["m1", "m2"]
@@ -196,8 +232,18 @@ pub fn setup() -> Setup {
         loads: vec![
             load("L1", on("s1")),
             load("L2", on("s2")),
-            load("P1", Location::Fixed { place: "rack/c".into() }),
-            load("P2", Location::Fixed { place: "rack/d".into() }),
+            load(
+                "P1",
+                Location::Fixed {
+                    place: "rack/c".into(),
+                },
+            ),
+            load(
+                "P2",
+                Location::Fixed {
+                    place: "rack/d".into(),
+                },
+            ),
         ],
         destinations: vec!["warehouse".into()],
         triggers: vec![],
@@ -247,11 +293,17 @@ pub fn pickup() -> NewJob {
 }
 
 pub fn operator() -> Principal {
-    Principal { name: "ada".into(), role: Role::Operator }
+    Principal {
+        name: "ada".into(),
+        role: Role::Operator,
+    }
 }
 
 pub fn integrator() -> Principal {
-    Principal { name: "ivo".into(), role: Role::Integrator }
+    Principal {
+        name: "ivo".into(),
+        role: Role::Integrator,
+    }
 }
 
 impl World {
@@ -277,6 +329,7 @@ impl World {
             swallow_next: false,
             not_executed_next: false,
             blocked: BTreeSet::new(),
+            forgot: false,
         };
         let mobile = MobileTruth {
             boot: 1,
@@ -309,15 +362,28 @@ impl World {
             reports_loads: true,
             lies_slot: None,
             got: vec![],
+            read: 0,
         };
         let mut world = Self {
             now: 1_000,
             cell: Cell::new(setup.clone()),
             ids: CountingIds::default(),
             journal: vec![],
-            arms: setup.arms.iter().map(|a| (a.clone(), arm.clone())).collect(),
-            mobiles: setup.mobile_robots.iter().map(|m| (m.id.clone(), mobile.clone())).collect(),
-            loads: setup.loads.iter().map(|l| (l.id.clone(), l.at.clone())).collect(),
+            arms: setup
+                .arms
+                .iter()
+                .map(|a| (a.clone(), arm.clone()))
+                .collect(),
+            mobiles: setup
+                .mobile_robots
+                .iter()
+                .map(|m| (m.id.clone(), mobile.clone()))
+                .collect(),
+            loads: setup
+                .loads
+                .iter()
+                .map(|l| (l.id.clone(), l.at.clone()))
+                .collect(),
             setup,
             chance: Chance(seed),
             odds,
@@ -336,11 +402,31 @@ impl World {
     }
 
     fn boot(&mut self) {
+        let before = self.crashes;
         let _reply = self.input(Input::Recover).unwrap();
-        assert!(self.cell.permits().iter().all(|(_, p)| *p == workflow::Permit::None), "I7");
+        // Unless it crashed again inside, and the inner start has gone further.
+        assert!(
+            before != self.crashes
+                || self
+                    .cell
+                    .permits()
+                    .iter()
+                    .all(|(_, p)| *p == workflow::Permit::None),
+            "I7"
+        );
+        self.fetch();
         let jobs_may_act = self.may_act;
         let _reply = self.input(Input::Control { jobs_may_act }).unwrap();
         self.look();
+    }
+
+    /// Every mobile robot asks for what it has not read.
+    fn fetch(&mut self) {
+        for id in self.mobiles.keys().cloned().collect::<Vec<_>>() {
+            for out in self.cell.outbox(&id, self.mobiles[&id].read) {
+                self.obey(&id, out);
+            }
+        }
     }
 
     /// The process dies and comes back: everything volatile is gone, the journal is not.
@@ -353,7 +439,12 @@ impl World {
             let fact: Fact = serde_json::from_str(&text).unwrap();
             cell.replay(&fact);
         }
-        assert!(cell.permits().iter().all(|(_, p)| *p == workflow::Permit::None), "I7");
+        assert!(
+            cell.permits()
+                .iter()
+                .all(|(_, p)| *p == workflow::Permit::None),
+            "I7"
+        );
         assert!(cell.same_book(&self.cell), "replay is not exact");
         self.cell = cell;
         self.boot();
@@ -362,23 +453,30 @@ impl World {
     /// Decides, keeps, applies, carries out.
     pub fn input(&mut self, input: Input) -> Result<Reply, Refusal> {
         let decision = self.cell.decide(self.now, input, &mut self.ids)?;
-        self.journal.extend(decision.facts.iter().filter(|f| f.is_durable()).cloned());
+        self.journal
+            .extend(decision.facts.iter().filter(|f| f.is_durable()).cloned());
         let mut effects = Vec::new();
         for fact in &decision.facts {
             if let Fact::JobMoved { to, text, .. } = fact {
                 self.log.push(format!("{:>7} job {to:?} {text}", self.now));
             }
             if let Fact::SessionMoved { to, fault, .. } = fact {
-                self.log.push(format!("{:>7} session {to:?} {fault:?}", self.now));
+                self.log
+                    .push(format!("{:>7} session {to:?} {fault:?}", self.now));
             }
             if let Fact::StepMoved { step, to, text, .. } = fact {
-                self.log.push(format!("{:>7} step {step} {to:?} {text}", self.now));
+                self.log
+                    .push(format!("{:>7} step {step} {to:?} {text}", self.now));
             }
             if let Fact::FaultNoted { fault, text, .. } = fact {
-                self.log.push(format!("{:>7} fault {fault:?} {text}", self.now));
+                self.log
+                    .push(format!("{:>7} fault {fault:?} {text}", self.now));
             }
             if let Fact::Asked { question } = fact {
-                self.log.push(format!("{:>7} ask {:?} {}", self.now, question.fault, question.question));
+                self.log.push(format!(
+                    "{:>7} ask {:?} {}",
+                    self.now, question.fault, question.question
+                ));
             }
             effects.extend(self.cell.apply(self.now, fact));
             let broken = self.cell.violations();
@@ -410,18 +508,31 @@ impl World {
 
     fn carry_out(&mut self, effect: Effect) {
         match effect {
-            Effect::Operate { op, arm, action, .. } => self.operate(op, &arm, action),
+            Effect::Operate {
+                op, arm, action, ..
+            } => self.operate(op, &arm, action),
             Effect::Reconcile { op, arm, .. } => {
                 let truth = self.arms.get(&arm).unwrap();
                 if truth.doubt_for_good {
-                    self.results.push((self.now + 50, op, OpResult::InDoubt { text: "it forgot".into() }));
+                    self.results.push((
+                        self.now + 50,
+                        op,
+                        OpResult::InDoubt {
+                            text: "it forgot".into(),
+                        },
+                    ));
                 } else if truth.moving.as_ref().is_some_and(|(id, ..)| *id == op) {
                     // Answered when it stands.
                 } else if let Some(result) = truth.done.get(&op) {
                     self.results.push((self.now + 50, op, result.clone()));
+                } else if truth.forgot && truth.asked.contains(&op) {
+                    let text = "the controller forgot".to_owned();
+                    self.results
+                        .push((self.now + 50, op, OpResult::InDoubt { text }));
                 } else if truth.link {
                     let text = "the controller never accepted it".to_owned();
-                    self.results.push((self.now + 50, op, OpResult::NotExecuted { text }));
+                    self.results
+                        .push((self.now + 50, op, OpResult::NotExecuted { text }));
                 }
             }
             Effect::StopArm { arm } => {
@@ -429,12 +540,17 @@ impl World {
                 let truth = self.arms.get_mut(&arm).unwrap();
                 if let Some((op, ..)) = truth.moving.take() {
                     truth.at = None;
-                    let result = OpResult::Interrupted { text: "stopped".into() };
+                    let result = OpResult::Interrupted {
+                        text: "stopped".into(),
+                    };
                     let _old = truth.done.insert(op, result.clone());
                     self.results.push((self.now + 100, op, result));
                 }
             }
-            Effect::Tell { mobile_robot, message } => self.obey(&mobile_robot, message),
+            Effect::Tell {
+                mobile_robot,
+                message,
+            } => self.obey(&mobile_robot, message),
             Effect::Ask { intervention } => self.asked.push(intervention),
             Effect::Remind { .. } => {}
         }
@@ -448,7 +564,11 @@ impl World {
         assert!(arm.asked.insert(op), "operation {op} was sent twice");
         if std::mem::take(&mut arm.not_executed_next) || self.chance.hits(self.odds.not_executed) {
             let text = "refused, nothing was sent".to_owned();
-            self.results.push((now + 20, op, OpResult::NotExecuted { text }));
+            let _old = arm
+                .done
+                .insert(op, OpResult::NotExecuted { text: text.clone() });
+            self.results
+                .push((now + 20, op, OpResult::NotExecuted { text }));
             return;
         }
         match action {
@@ -456,18 +576,31 @@ impl World {
                 let failures = targets
                     .iter()
                     .enumerate()
-                    .filter(|(_, t)| t.place().is_some_and(|p| arm.blocked.contains(&p.to_string())))
-                    .map(|(target, _)| PoseFailure { target, reason: "J5 at 126, limit 125".into() })
+                    .filter(|(_, t)| {
+                        t.place()
+                            .is_some_and(|p| arm.blocked.contains(&p.to_string()))
+                    })
+                    .map(|(target, _)| PoseFailure {
+                        target,
+                        reason: "J5 at 126, limit 125".into(),
+                    })
                     .collect();
-                self.results.push((now + 30, op, OpResult::Prechecked { failures }));
+                self.results
+                    .push((now + 30, op, OpResult::Prechecked { failures }));
             }
             Action::Move { target, .. } => {
-                assert!(arm.moving.is_none(), "two motions at once\n{}", self.log.join("\n"));
+                assert!(
+                    arm.moving.is_none(),
+                    "two motions at once\n{}",
+                    self.log.join("\n")
+                );
                 if std::mem::take(&mut arm.swallow_next) {
                     return;
                 }
                 if std::mem::take(&mut arm.alarm_next) || self.chance.hits(self.odds.motion_alarm) {
-                    let result = OpResult::Rejected { text: "MOTN-018".into() };
+                    let result = OpResult::Rejected {
+                        text: "MOTN-018".into(),
+                    };
                     let _old = arm.done.insert(op, result.clone());
                     self.results.push((now + 60, op, result));
                     return;
@@ -475,7 +608,8 @@ impl World {
                 arm.moving = Some((op, target, now + 800));
                 if std::mem::take(&mut arm.doubt_next) || self.chance.hits(self.odds.motion_doubt) {
                     let text = "the answer was lost".to_owned();
-                    self.results.push((now + 300, op, OpResult::InDoubt { text }));
+                    self.results
+                        .push((now + 300, op, OpResult::InDoubt { text }));
                 }
             }
             Action::Grip { action } => {
@@ -489,10 +623,15 @@ impl World {
 
     fn place_of(&self, target: &Target) -> Option<Location> {
         Some(match target.place()? {
-            PlaceRef::Fixed { place } => Location::Fixed { place: place.clone() },
+            PlaceRef::Fixed { place } => Location::Fixed {
+                place: place.clone(),
+            },
             PlaceRef::MobileRobot { slot, .. } => {
                 let docked = self.mobiles.iter().find(|(_, m)| m.docked)?;
-                Location::MobileRobot { mobile_robot: docked.0.clone(), slot: slot.clone() }
+                Location::MobileRobot {
+                    mobile_robot: docked.0.clone(),
+                    slot: slot.clone(),
+                }
             }
         })
     }
@@ -508,19 +647,32 @@ impl World {
         match action {
             GripAction::Close => {
                 let there = here.as_ref().and_then(|h| {
-                    self.loads.iter().find(|(_, at)| *at == h).map(|(id, _)| id.clone())
+                    self.loads
+                        .iter()
+                        .find(|(_, at)| *at == h)
+                        .map(|(id, _)| id.clone())
                 });
                 let fails = arm.grip_fails > 0 || chance;
                 arm.grip_fails = arm.grip_fails.saturating_sub(1);
                 if let (Some(load), false) = (there, fails) {
                     arm.holds = Some(load.clone());
-                    let _old = self.loads.insert(load, Location::Gripper { arm: name.into() });
+                    let _old = self
+                        .loads
+                        .insert(load, Location::Gripper { arm: name.into() });
                 }
-                OpResult::Gripped { closed: true, open: false, part_present: arm.holds.is_some() }
+                OpResult::Gripped {
+                    closed: true,
+                    open: false,
+                    part_present: arm.holds.is_some(),
+                }
             }
             GripAction::Open => {
                 if arm.release_sticks {
-                    return OpResult::Gripped { closed: false, open: true, part_present: true };
+                    return OpResult::Gripped {
+                        closed: false,
+                        open: true,
+                        part_present: true,
+                    };
                 }
                 if let Some(load) = arm.holds.take() {
                     let to = here.unwrap_or(Location::Unknown { arm: None });
@@ -532,26 +684,44 @@ impl World {
                     );
                     let _old = self.loads.insert(load, to);
                 }
-                OpResult::Gripped { closed: false, open: true, part_present: false }
+                OpResult::Gripped {
+                    closed: false,
+                    open: true,
+                    part_present: false,
+                }
             }
         }
     }
 
     /// The rule of the shared zone, judged by what is really there.
     fn judge_motion(&self, name: &str, action: &Action) {
-        let Action::Move { target, .. } = action else { return };
+        let Action::Move { target, .. } = action else {
+            return;
+        };
         if !target.enters_zone() {
             return;
         }
         let docked = self.mobiles.values().any(|m| m.docked);
-        let driving = self.mobiles.values().any(|m| {
-            m.state.driving && m.state.at_point.as_deref() == Some(POINT)
-        });
-        assert!(self.rogue || docked && !driving, "{name} enters without a docked mobile robot\n{}", self.story());
-        let other = self.arms.iter().any(|(id, a)| id != name && self.arm_inside(a));
+        let driving = self
+            .mobiles
+            .values()
+            .any(|m| m.state.driving && m.state.at_point.as_deref() == Some(POINT));
+        assert!(
+            self.rogue || docked && !driving,
+            "{name} enters without a docked mobile robot\n{}",
+            self.story()
+        );
+        let other = self
+            .arms
+            .iter()
+            .any(|(id, a)| id != name && self.arm_inside(a));
         assert!(!other, "two arms in the zone");
     }
 
+    #[allow(
+        clippy::unused_self,
+        reason = "reads like the other questions to the world"
+    )]
     pub fn arm_inside(&self, arm: &ArmTruth) -> bool {
         let inside = |t: &Target| t.place().is_some_and(PlaceRef::in_zone);
         arm.at.as_ref().is_some_and(inside)
@@ -566,11 +736,21 @@ impl World {
         let inside = self.arms.values().any(|a| self.arm_inside(a));
         let now = self.now;
         let m = self.mobiles.get_mut(id).unwrap();
-        self.log.push(format!("{now:>7} tell {id} {:?}", out.message));
+        self.log
+            .push(format!("{now:>7} tell {id} {:?}", out.message));
         m.session = out.session.or(m.session);
+        if out.n <= m.read {
+            return;
+        }
+        m.read = out.n;
         m.got.push(out.message.clone());
         match out.message {
-            Message::TransportOrder { order, update, goal, .. } => {
+            Message::TransportOrder {
+                order,
+                update,
+                goal,
+                ..
+            } => {
                 if goal != POINT {
                     m.onward = true;
                     if !m.docked && m.state.at_point.is_none() && m.delivers {
@@ -582,7 +762,14 @@ impl World {
                 if !same && m.acks && !m.state.driving {
                     m.state.order = Some(order);
                     m.plan.clear();
-                    m.plan.push_back((now + 100, if m.rejects { Do::Rejected } else { Do::Assigned }));
+                    m.plan.push_back((
+                        now + 100,
+                        if m.rejects {
+                            Do::Rejected
+                        } else {
+                            Do::Assigned
+                        },
+                    ));
                 }
             }
             Message::MovePermit { granted } => {
@@ -611,7 +798,11 @@ impl World {
                     m.plan.clear();
                     m.state.order = None;
                     if m.leaves {
-                        let first = if m.state.at_point.is_some() { Do::Leave } else { Do::Clear };
+                        let first = if m.state.at_point.is_some() {
+                            Do::Leave
+                        } else {
+                            Do::Clear
+                        };
                         m.plan.push_back((now + 300, first));
                     }
                 }
@@ -637,7 +828,10 @@ impl World {
             .iter()
             .filter_map(|(load, at)| match at {
                 Location::MobileRobot { mobile_robot, slot } if mobile_robot == id => {
-                    Some(SlotLoad { slot: slot.clone(), load: Some(load.clone()) })
+                    Some(SlotLoad {
+                        slot: slot.clone(),
+                        load: Some(load.clone()),
+                    })
                 }
                 _ => None,
             })
@@ -645,7 +839,10 @@ impl World {
         if let Some((slot, lie)) = &m.lies_slot {
             all.retain(|l| l.slot != *slot);
             if let Some(lie) = lie {
-                all.push(SlotLoad { slot: slot.clone(), load: Some(lie.clone()) });
+                all.push(SlotLoad {
+                    slot: slot.clone(),
+                    load: Some(lie.clone()),
+                });
             }
         }
         Some(all)
@@ -687,20 +884,37 @@ impl World {
                 }
             }
             Do::Arrive => {
-                assert!(rogue || !arm_inside || !m.state.driving, "a mobile robot drives in with an arm in the zone");
+                assert!(
+                    rogue || !arm_inside || !m.state.driving,
+                    "a mobile robot drives in with an arm in the zone"
+                );
                 (m.state.driving, m.state.at_point) = (false, Some(POINT.into()));
                 if !m.docked {
-                    m.state.pose = BasePose { x_mm: DOCK.x_mm - 300.0, ..DOCK };
+                    m.state.pose = BasePose {
+                        x_mm: DOCK.x_mm - 300.0,
+                        ..DOCK
+                    };
                 }
                 self.say(id, SignalKind::MrArrived);
                 if self.mobiles[id].docks {
-                    self.mobiles.get_mut(id).unwrap().plan.push_back((now + 1_000, Do::Dock));
+                    self.mobiles
+                        .get_mut(id)
+                        .unwrap()
+                        .plan
+                        .push_back((now + 1_000, Do::Dock));
                 }
             }
             Do::Dock => {
-                let off = if m.dock_errors > 0 { 50.0 } else { m.dock_error_mm };
+                let off = if m.dock_errors > 0 {
+                    50.0
+                } else {
+                    m.dock_error_mm
+                };
                 m.dock_errors = m.dock_errors.saturating_sub(1);
-                m.state.pose = BasePose { x_mm: DOCK.x_mm + off, ..DOCK };
+                m.state.pose = BasePose {
+                    x_mm: DOCK.x_mm + off,
+                    ..DOCK
+                };
                 m.docked = true;
                 self.say(id, SignalKind::MrDocked);
             }
@@ -710,7 +924,11 @@ impl World {
                 }
             }
             Do::Leave => {
-                assert!(rogue || !arm_inside, "a mobile robot leaves with an arm in the zone\n{}", self.story());
+                assert!(
+                    rogue || !arm_inside,
+                    "a mobile robot leaves with an arm in the zone\n{}",
+                    self.story()
+                );
                 let m = self.mobiles.get_mut(id).unwrap();
                 (m.state.driving, m.docked) = (true, false);
                 m.plan.push_back((now + 2_000, Do::Clear));
@@ -729,8 +947,12 @@ impl World {
             }
             Do::Deliver => {
                 for (load, at) in &mut self.loads {
-                    if load.starts_with('P') && matches!(at, Location::MobileRobot { mobile_robot, .. } if mobile_robot == id) {
-                        *at = Location::Delivered { destination: "warehouse".into() };
+                    if load.starts_with('P')
+                        && matches!(at, Location::MobileRobot { mobile_robot, .. } if mobile_robot == id)
+                    {
+                        *at = Location::Delivered {
+                            destination: "warehouse".into(),
+                        };
                     }
                 }
                 self.say(id, SignalKind::MrDelivered);
@@ -765,7 +987,9 @@ impl World {
     }
 
     fn send(&mut self, id: &str) {
-        let Some(m) = self.mobiles.get_mut(id) else { return };
+        let Some(m) = self.mobiles.get_mut(id) else {
+            return;
+        };
         if m.sending.is_empty() || self.now < m.next_send {
             return;
         }
@@ -775,7 +999,11 @@ impl World {
         if self.chance.hits(self.odds.lost) {
             return;
         }
-        let copies = if self.chance.hits(self.odds.duplicated) { 2 } else { 1 };
+        let copies = if self.chance.hits(self.odds.duplicated) {
+            2
+        } else {
+            1
+        };
         for _copy in 0..copies {
             let (boot, seq, kind) = (signal.boot, signal.seq, signal.kind);
             let before = self.crashes;
@@ -789,7 +1017,8 @@ impl World {
                 other => panic!("{other:?}"),
             };
             if kind != SignalKind::MrHeartbeat {
-                self.log.push(format!("{:>7} {id} says {kind:?} -> {answer:?}", self.now));
+                self.log
+                    .push(format!("{:>7} {id} says {kind:?} -> {answer:?}", self.now));
             }
             self.answers.push((kind, answer.clone()));
             let m = self.mobiles.get_mut(id).unwrap();
@@ -822,7 +1051,12 @@ impl World {
         if now >= self.next_look {
             self.look();
         }
-        let due: Vec<_> = self.results.iter().filter(|(at, ..)| *at <= now).cloned().collect();
+        let due: Vec<_> = self
+            .results
+            .iter()
+            .filter(|(at, ..)| *at <= now)
+            .cloned()
+            .collect();
         self.results.retain(|(at, ..)| *at > now);
         for (_, op, result) in due {
             let linked = self.arms.values().any(|a| a.link && a.asked.contains(&op));
@@ -837,7 +1071,12 @@ impl World {
                 self.say(&id, SignalKind::MrHeartbeat);
             }
             let m = self.mobiles.get_mut(&id).unwrap();
-            let due: Vec<_> = m.plan.iter().filter(|(at, _)| *at <= now && !m.paused).copied().collect();
+            let due: Vec<_> = m
+                .plan
+                .iter()
+                .filter(|(at, _)| *at <= now && !m.paused)
+                .copied()
+                .collect();
             m.plan.retain(|(at, _)| *at > now || m.paused);
             for (_, what) in due {
                 self.act(&id, what);
@@ -859,7 +1098,11 @@ impl World {
         if self.chance.hits(odds.mode_change) {
             let m = self.mobiles.get_mut("m1").unwrap();
             let auto = m.state.mode.is_automatic();
-            m.state.mode = if auto { MobileMode::Manual } else { MobileMode::Automatic };
+            m.state.mode = if auto {
+                MobileMode::Manual
+            } else {
+                MobileMode::Automatic
+            };
             self.say("m1", SignalKind::MrMode);
         } else if !self.mobiles["m1"].state.mode.is_automatic() && self.chance.hits(20) {
             self.mobiles.get_mut("m1").unwrap().state.mode = MobileMode::Automatic;
@@ -871,7 +1114,9 @@ impl World {
             self.mobiles.get_mut("m1").unwrap().beats = true;
         }
         if self.chance.hits(odds.controller_forgets) {
-            self.arms.get_mut("r1").unwrap().done.clear();
+            let arm = self.arms.get_mut("r1").unwrap();
+            arm.done.clear();
+            arm.forgot = true;
         }
         if self.chance.hits(odds.part_dropped)
             && let Some(load) = self.arms.get_mut("r1").unwrap().holds.take()
@@ -941,9 +1186,16 @@ impl World {
             }
             let truth = &self.loads[&found.id];
             // A gripper that acts, or a part that fell a moment ago: the books cannot know yet.
-            let acting = self.cell.jobs(self.now).iter().flat_map(|j| &j.steps).any(|s| {
-                s.operation.as_ref().is_some_and(|o| matches!(o.action, Action::Grip { .. }))
-            });
+            let acting = self
+                .cell
+                .jobs(self.now)
+                .iter()
+                .flat_map(|j| &j.steps)
+                .any(|s| {
+                    s.operation
+                        .as_ref()
+                        .is_some_and(|o| matches!(o.action, Action::Grip { .. }))
+                });
             if acting || matches!(truth, Location::Unknown { .. }) {
                 continue;
             }
@@ -961,7 +1213,13 @@ impl World {
     /// Runs a job to COMPLETE, or says why not.
     pub fn complete(&mut self, job: Uuid) {
         let ok = self.run(120_000, |w| w.state(job) == JobState::Complete);
-        assert!(ok, "{:?} {:?}\n{}", self.state(job), self.open_question(), self.story());
+        assert!(
+            ok,
+            "{:?} {:?}\n{}",
+            self.state(job),
+            self.open_question(),
+            self.story()
+        );
         self.judge_custody();
     }
 }

@@ -33,9 +33,10 @@ mod tests;
 mod view;
 
 pub(crate) use error::LinkError;
-pub(crate) use handle::{CellServerLink, Fenced, StopReport, spawn};
+pub(crate) use handle::{CellServerLink, spawn};
 pub(crate) use judge::Open;
-pub(crate) use order::{MotionEnd, MotionObserver, MotionOrder, Rejection};
+pub(crate) use order::{MotionEnd, MotionObserver, MotionOrder};
 pub(crate) use plan::CellServerPlan;
-pub(crate) use readiness::NotReady;
-pub(crate) use view::{ControllerView, InFlight, Observed, Phase};
+pub(crate) use view::ControllerView;
+#[cfg(test)]
+pub(crate) use {order::Rejection, readiness::NotReady, view::Phase};

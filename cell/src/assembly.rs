@@ -1,0 +1,104 @@
+//! A plant and the servers that come and go before it: what the program does, for callers with a listener and a
+//! journal of their own.
+
+use std::sync::Arc;
+
+use anyhow::{Context as _, Result};
+use karel_emulator::{PeerLabels, VirtualController};
+use server::identity::Identity;
+use server::{Plan, Seams, SharedJournal, SystemClock, TcpConnector};
+use tokio::net::TcpListener;
+use tokio_util::sync::CancellationToken;
+
+use crate::config::Loaded;
+use crate::plant::{Plant, Prepared};
+use crate::start::url_of;
+use crate::virtual_controllers;
+
+/// The running virtual parts of a configuration. Servers may be started before it, and killed, one after the other.
+#[derive(Debug)]
+pub struct Assembly {
+    loaded: Loaded,
+    plant: Plant,
+    labels: PeerLabels,
+}
+
+impl Assembly {
+    /// Starts the virtual controllers of a configuration in TOML; all its cells begin with `setup`.
+    ///
+    /// # Errors
+    /// What does not fit in either text, or a part that does not start.
+    pub async fn start(config: &str, setup: &str) -> Result<Self> {
+        let mut loaded = Loaded::from_text(config, setup)?;
+        let labels = PeerLabels::new();
+        let plant = Prepared::of(&loaded)?.start(&labels).await?;
+        virtual_controllers::resolve(&mut loaded.file.cells, &plant.addresses())?;
+        Ok(Self {
+            loaded,
+            plant,
+            labels,
+        })
+    }
+
+    /// Switches the mobile robots on. The server they talk to need not answer yet.
+    ///
+    /// # Errors
+    /// The first that does not start.
+    pub fn start_mobile_robots(&mut self, server: std::net::SocketAddr) -> Result<()> {
+        self.plant.start_mobile_robots(&url_of(server))
+    }
+
+    /// A server in demo mode before this plant, until `stop` is cancelled.
+    ///
+    /// # Errors
+    /// It does not start.
+    pub fn serve(
+        &self,
+        listener: TcpListener,
+        journal: SharedJournal,
+        stop: CancellationToken,
+    ) -> Result<impl Future<Output = Result<()>> + Send + use<>> {
+        let file = &self.loaded.file;
+        let plan = Plan::try_new(&file.server, &file.cells)?.with_identity(Identity::demo())?;
+        let labels = self.labels.clone();
+        let connector = TcpConnector::with_label(move |peer, id| labels.set(peer, id));
+        let seams = Seams {
+            connector,
+            clock: Arc::new(SystemClock),
+            journal,
+        };
+        Ok(async move {
+            server::run(listener, plan, seams, stop)
+                .await
+                .context("serving")
+        })
+    }
+
+    /// Where the virtual controllers are, as `--parts-at` of the program takes it.
+    ///
+    /// # Errors
+    /// Never, as far as is known: addresses are plain data.
+    pub fn parts_at(&self) -> Result<String> {
+        Ok(serde_json::to_string(&self.plant.addresses())?)
+    }
+
+    /// A virtual controller by its name.
+    #[must_use]
+    pub fn controller(&self, name: &str) -> Option<&VirtualController> {
+        let mut parts = self.plant.controllers.iter();
+        parts
+            .find(|part| part.name == name)
+            .map(|part| &part.controller)
+    }
+
+    /// The virtual parts.
+    #[must_use]
+    pub fn plant(&self) -> &Plant {
+        &self.plant
+    }
+
+    /// Stops every part.
+    pub async fn shutdown(self) {
+        self.plant.shutdown().await;
+    }
+}

@@ -1,0 +1,270 @@
+//! The whole demo cell on free ports, faster than life, with a server whose plug can be pulled.
+
+use std::net::{SocketAddr, TcpListener as StdListener};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use cell::Assembly;
+use karel_emulator::{LedgerEntry, LedgerEvent};
+use reqwest::{Client, StatusCode};
+use serde_json::{Value, json};
+use server::SystemClock;
+use server::config::JournalSection;
+use tokio::net::TcpListener;
+use tokio::runtime::Runtime;
+use tokio_util::sync::CancellationToken;
+
+/// Seconds of the cell in a second.
+pub(crate) const SCALE: f64 = 20.0;
+/// A job of two drives and a few motions takes about two minutes of the cell's time.
+pub(crate) const A_JOB: Duration = Duration::from_secs(60);
+const SETUP: &str = include_str!("../../demo.setup.toml");
+const BASE: &str = "/api/v1/cells/demo";
+
+/// The virtual world and the server before it.
+pub(crate) struct TestCell {
+    pub(crate) assembly: Assembly,
+    server: Option<(Runtime, CancellationToken)>,
+    address: SocketAddr,
+    journal: PathBuf,
+    _folder: tempfile::TempDir,
+    http: Client,
+    keys: AtomicU64,
+}
+
+impl TestCell {
+    pub(crate) async fn start() -> Self {
+        Self::with_setup(SETUP).await
+    }
+
+    pub(crate) async fn with_setup(setup: &str) -> Self {
+        let config = format!(
+            "[server]\ndemo = true\nlisten = '127.0.0.1:0'\n\
+             [[cells]]\nid = 'demo'\n\
+             [[cells.robots]]\nid = 'r1'\nmodel = 'fanuc-m20ia'\ncontroller = 'virtual:vc1'\n\
+             tier = 'cell_server'\ntime_scale = {SCALE:.1}\n\
+             [[virtual_controllers]]\nname = 'vc1'\nmodel = 'fanuc-m20ia'\nruns = 'cell_server'\n\
+             time_scale = {SCALE:.1}\nstart_joints_deg = [90, 0, 0, 0, -90, 0]\n\
+             [[virtual_mobile_robots]]\ncell = 'demo'\nid = 'mr1'\ntime_scale = {SCALE:.1}\n"
+        );
+        let mut assembly = Assembly::start(&config, setup).await.unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let listener = StdListener::bind("127.0.0.1:0").unwrap();
+        let address = listener.local_addr().unwrap();
+        drop(listener);
+        assembly.start_mobile_robots(address).unwrap();
+        let mut cell = Self {
+            assembly,
+            server: None,
+            address,
+            journal: folder.path().join("cell.journal"),
+            _folder: folder,
+            http: Client::new(),
+            keys: AtomicU64::new(0),
+        };
+        cell.start_server().await;
+        cell
+    }
+
+    /// Starts the server, in a runtime of its own: pulling its plug takes every task of it, wherever it is.
+    pub(crate) async fn start_server(&mut self) {
+        assert!(self.server.is_none(), "one server at a time");
+        let runtime = Runtime::new().unwrap();
+        let stop = CancellationToken::new();
+        let section = JournalSection {
+            path: Some(self.journal.clone()),
+            allow_volatile_filesystem: true,
+            restored: false,
+        };
+        let journal = async move {
+            // The lock of a server that was killed a moment ago may still be held by its last task.
+            loop {
+                match server::open_journal(&section, std::path::Path::new(""), &SystemClock).await {
+                    Ok(journal) => return journal,
+                    Err(error) if format!("{error:?}").contains("lock") || format!("{error:?}").contains("use") => {
+                        tokio::task::yield_now().await;
+                    }
+                    Err(error) => panic!("{error:?}"),
+                }
+            }
+        };
+        let journal = runtime.spawn(journal).await.unwrap();
+        let address = self.address;
+        let listener = runtime
+            .spawn(async move {
+                loop {
+                    match TcpListener::bind(address).await {
+                        Ok(listener) => return listener,
+                        Err(_still_held) => tokio::task::yield_now().await,
+                    }
+                }
+            })
+            .await
+            .unwrap();
+        let serving = self.assembly.serve(listener, journal, stop.clone()).unwrap();
+        drop(runtime.spawn(serving));
+        self.server = Some((runtime, stop));
+        let _ready = self
+            .wait("the server lives", Duration::from_secs(20), async |cell| {
+                cell.get_any("/livez").await.map(drop)
+            })
+            .await;
+    }
+
+    /// Pulls the plug: nothing of the server runs any more, nothing is written, nothing is said to anybody.
+    pub(crate) fn pull_the_plug(&mut self) {
+        let (runtime, _never_cancelled) = self.server.take().expect("a server runs");
+        runtime.shutdown_background();
+    }
+
+    pub(crate) async fn post(&self, path: &str, body: &Value) -> (StatusCode, Value) {
+        let key = self.keys.fetch_add(1, Ordering::Relaxed);
+        self.post_with_key(path, &format!("test-{key}"), body).await
+    }
+
+    pub(crate) async fn post_with_key(
+        &self,
+        path: &str,
+        key: &str,
+        body: &Value,
+    ) -> (StatusCode, Value) {
+        let url = format!("http://{}{BASE}{path}", self.address);
+        let request = self.http.post(url).header("idempotency-key", key).json(body);
+        let answer = request.send().await.unwrap();
+        let status = answer.status();
+        (status, answer.json().await.unwrap_or(Value::Null))
+    }
+
+    pub(crate) async fn get(&self, path: &str) -> Value {
+        let found = self.get_any(&format!("{BASE}{path}")).await;
+        found.unwrap_or_else(|| panic!("GET {path} has no answer"))
+    }
+
+    async fn get_any(&self, path: &str) -> Option<Value> {
+        let url = format!("http://{}{path}", self.address);
+        let answer = self.http.get(url).send().await.ok()?;
+        answer.status().is_success().then_some(())?;
+        answer.json().await.ok()
+    }
+
+    /// Asks for a job and returns its id.
+    pub(crate) async fn job(&self, workflow: &str, params: Value) -> String {
+        let body = json!({"workflow": workflow, "params": params});
+        let (status, job) = self.post("/jobs", &body).await;
+        assert!(status.is_success(), "{status} {job}");
+        job["id"].as_str().unwrap().to_owned()
+    }
+
+    /// A delivery of load-1, which mr1 has in its left slot at the beginning, to a place of the rack.
+    pub(crate) async fn delivery(&self, place: &str) -> String {
+        self.job(
+            "delivery-and-placement",
+            json!({
+                "point": "handover/front",
+                "items": [{"load_id": "load-1", "type": "crate", "mr_slot": "left", "place": place}]
+            }),
+        )
+        .await
+    }
+
+    /// A pickup of load-2, which is in rack/a at the beginning, to the warehouse.
+    pub(crate) async fn pickup(&self) -> String {
+        self.job(
+            "pickup-and-delivery",
+            json!({
+                "point": "handover/front",
+                "items": [{"load_id": "load-2", "type": "crate", "mr_slot": "right", "place": "rack/a"}],
+                "destination": "warehouse/gate",
+                "complete_on": "DELIVERED"
+            }),
+        )
+        .await
+    }
+
+    /// Waits until a job is in one of `states`; the job then.
+    pub(crate) async fn wait_for_job(&self, job: &str, states: &[&str]) -> Value {
+        let path = format!("{BASE}/jobs/{job}");
+        let wanted = format!("job {job} in {states:?}");
+        self.wait(&wanted, A_JOB, async |cell| {
+            let job = cell.get_any(&path).await?;
+            let state = job["state"].as_str()?;
+            states.contains(&state).then_some(job)
+        })
+        .await
+    }
+
+    /// Waits until `look` finds something, and says what was missing where it does not.
+    pub(crate) async fn wait<T>(
+        &self,
+        what: &str,
+        limit: Duration,
+        look: impl AsyncFn(&Self) -> Option<T>,
+    ) -> T {
+        let until = Instant::now() + limit;
+        loop {
+            if let Some(found) = look(self).await {
+                return found;
+            }
+            if Instant::now() >= until {
+                let jobs = self.get_any(&format!("{BASE}/jobs")).await;
+                let questions = self.get_any(&format!("{BASE}/interventions")).await;
+                let sessions = self.get_any(&format!("{BASE}/sessions")).await;
+                panic!(
+                    "timed out waiting for {what}\njobs: {}\ninterventions: {}\nsessions: {}",
+                    pretty(jobs),
+                    pretty(questions),
+                    pretty(sessions)
+                );
+            }
+            tokio::time::sleep(Duration::from_millis(20)).await;
+        }
+    }
+
+    /// What the arm really did.
+    pub(crate) async fn ledger(&self) -> Vec<LedgerEntry> {
+        let controller = self.assembly.controller("vc1").expect("vc1");
+        controller.ledger().await.unwrap()
+    }
+
+    /// No command of the wire began twice, and none in another order than that of its numbers.
+    pub(crate) async fn assert_nothing_twice(&self) {
+        let ledger = self.ledger().await;
+        let started: Vec<_> = ledger
+            .iter()
+            .filter(|entry| entry.event == LedgerEvent::Started)
+            .filter_map(|entry| entry.command.as_ref().map(|id| (id.epoch, id.seq)))
+            .collect();
+        let mut sorted = started.clone();
+        sorted.sort_unstable();
+        sorted.dedup();
+        assert_eq!(started, sorted, "a motion began twice, or out of order");
+    }
+
+    /// Where the parts truly are, by the world's own account.
+    pub(crate) fn truly_at(&self, part: &str) -> cell::world::PartAt {
+        let world = self.assembly.plant().world("demo").expect("a world");
+        world.parts().get(part).cloned().expect("a part")
+    }
+
+    /// Where the server says a load is.
+    pub(crate) async fn custody(&self, load: &str) -> Value {
+        self.get(&format!("/loads/{load}")).await
+    }
+}
+
+impl Drop for TestCell {
+    fn drop(&mut self) {
+        if let Some((runtime, stop)) = self.server.take() {
+            stop.cancel();
+            runtime.shutdown_background();
+        }
+    }
+}
+
+fn pretty(value: Option<Value>) -> String {
+    value.map_or_else(
+        || "no answer".to_owned(),
+        |value| serde_json::to_string_pretty(&value).unwrap_or_default(),
+    )
+}
