@@ -25,12 +25,12 @@ This is not a safety function: emergency stop and guards are hard-wired in the c
 const TAGS: [(&str, &str); 15] = [
     ("motions", "Moving a robot, and what became of it."),
     (
-        "mobile-robots",
-        "What mobile robots tell the cell, and what it tells them.",
-    ),
-    (
         "jobs",
         "The group workflows: arms and mobile robots together. A job is asked for, waits in the queue, and runs by itself.",
+    ),
+    (
+        "mobile-robots",
+        "What mobile robots tell the cell, and what it tells them.",
     ),
     ("interventions", "What only a person can decide."),
     (

@@ -12,7 +12,7 @@ use workflow::{Input, Reply};
 
 use super::params::{CellId, CellPath, invalid, page_limit, param, path_params};
 use super::responses::{AnyProblem, BodyProblem, CrossSite, InvalidJson, KeptProblem, NotFound};
-use crate::extract::JsonBody;
+use crate::extract::{JsonBody, ListJson};
 use crate::identity::Principal;
 use crate::jobs;
 use crate::motions::RequestKey;
@@ -58,7 +58,7 @@ pub(super) async fn create_job(
     CellId(cell): CellId,
     caller: Principal,
     headers: HeaderMap,
-    JsonBody(body): JsonBody<JobBody>,
+    ListJson(body): ListJson<JobBody>,
 ) -> Result<
     (
         StatusCode,
