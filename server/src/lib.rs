@@ -54,6 +54,7 @@ mod clock;
 pub mod config;
 mod connections;
 mod edge;
+mod events;
 mod extract;
 mod guard;
 pub mod identity;

@@ -22,7 +22,7 @@ at most once.
 
 This is not a safety function: emergency stop and guards are hard-wired in the controller.";
 
-const TAGS: [(&str, &str); 15] = [
+const TAGS: [(&str, &str); 16] = [
     ("motions", "Moving a robot, and what became of it."),
     (
         "jobs",
@@ -32,6 +32,7 @@ const TAGS: [(&str, &str); 15] = [
         "mobile-robots",
         "What mobile robots tell the cell, and what it tells them.",
     ),
+    ("events", "What happens, live and from the journal."),
     ("interventions", "What only a person can decide."),
     (
         "hand-over",

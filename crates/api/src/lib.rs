@@ -8,6 +8,7 @@ mod authority;
 mod cell_state;
 mod control;
 mod description;
+mod event;
 mod health;
 mod identity;
 mod intervention;
@@ -34,6 +35,10 @@ pub use cell_state::{
 pub use control::{MotionPreview, SpeedOverride, StopBody, StopCategory, StopResult};
 pub use description::{
     Capabilities, CellSummary, JointDescription, RobotDescription, RobotSummary, StopEffect, Tier,
+};
+pub use event::{
+    CellEvent, CellEventData, CellStatus, EventGap, EventsQuery, GapReason, JobStatus, LoadStatus,
+    PointStatus, TimerStatus,
 };
 pub use health::{JournalReadiness, LinkReadiness, Liveness, Readiness};
 pub use identity::{

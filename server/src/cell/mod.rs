@@ -17,8 +17,8 @@ mod ids;
 mod motion_arm;
 mod observe;
 mod outbox;
-mod push;
 mod places;
+mod push;
 mod start;
 mod told;
 

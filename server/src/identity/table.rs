@@ -59,6 +59,7 @@ const TABLE: &[(&str, &str, Access)] = &[
     (POST, "/api/v1/cells/{cell}/robots/{robot}/motions/{id}/resume", Access::Operator),
     (GET, "/api/v1/cells/{cell}/robots/{robot}/speed-override", Access::Viewer),
     (PUT, "/api/v1/cells/{cell}/robots/{robot}/speed-override", Access::Operator),
+    (GET, "/api/v1/cells/{cell}/events", Access::Viewer),
     // Its mobile robots.
     (GET, "/api/v1/cells/{cell}/mobile-robots", Access::Viewer),
     (GET, "/api/v1/cells/{cell}/mobile-robots/{mobile_robot}", Access::Viewer),

@@ -5,6 +5,7 @@ mod caller;
 mod cell_state;
 mod cells;
 mod control;
+mod events;
 mod health;
 mod identity;
 mod interventions;
@@ -71,6 +72,7 @@ pub(crate) fn documented() -> OpenApiRouter<Arc<App>> {
             motion_control::get_speed_override,
             motion_control::put_speed_override
         ))
+        .routes(routes!(events::get_events))
         .routes(routes!(mobile_robots::list_mobile_robots))
         .routes(routes!(mobile_robots::get_mobile_robot))
         .routes(routes!(mobile_robots::get_mobile_robot_state))
