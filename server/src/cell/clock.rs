@@ -99,7 +99,10 @@ mod tests {
             let deadline = Timestamp::from_second(now.as_second() + 90).unwrap();
             let at = clock.at(now, deadline);
             let ahead = (at - clock.now()).abs_diff((90_000.0 * scale) as u64);
-            assert!(ahead <= (1_000.0 * scale) as u64, "{ahead} ms at scale {scale}");
+            assert!(
+                ahead <= (1_000.0 * scale) as u64,
+                "{ahead} ms at scale {scale}"
+            );
             assert_eq!(clock.wall_at(now, at), deadline);
             assert_eq!(clock.at(now, Timestamp::MIN), 0);
             assert!(clock.at(now, Timestamp::MAX) > at);
