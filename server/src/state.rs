@@ -208,19 +208,19 @@ impl App {
                 let plans = robots.iter().map(|robot| Arc::clone(&robot.plan)).collect();
                 let setup = SetupBook::open(cell.setup.as_ref(), plans);
                 let setup = Arc::new(setup.map_err(ServeError::Setup)?);
-                Ok((cell.id, cell.name, control, robots, setup))
+                Ok((cell.id, cell.name, control, robots, setup, cell.push_urls))
             })
             .collect::<Result<_, ServeError>>()?;
 
         let all: Vec<_> = ready
             .iter()
-            .flat_map(|(_, _, _, robots, _)| robots)
+            .flat_map(|(_, _, _, robots, ..)| robots)
             .map(|robot| Arc::clone(&robot.motions))
             .collect();
         motions::recover(&journal, &all)
             .await
             .map_err(ServeError::Journal)?;
-        for robot in ready.iter().flat_map(|(_, _, _, robots, _)| robots) {
+        for robot in ready.iter().flat_map(|(_, _, _, robots, ..)| robots) {
             if let RobotLink::CellServer(link) = &robot.link {
                 let motions = Arc::clone(&robot.motions);
                 drop(tracker.spawn(motions.reconcile(link.clone(), stop.clone())));
@@ -228,7 +228,7 @@ impl App {
         }
         let keys = InFlight::default();
         let mut cells = Vec::with_capacity(ready.len());
-        for (id, name, control, robots, setup) in ready {
+        for (id, name, control, robots, setup, push_urls) in ready {
             let parts = cell::Parts {
                 id: &id,
                 robots: &robots,
@@ -241,6 +241,11 @@ impl App {
                 stop,
             };
             let work = parts.start().await.map_err(ServeError::Cell)?;
+            let outboxes = cell::Outboxes::new(work.clone(), Arc::clone(&setup));
+            for (robot, url) in push_urls {
+                let url = url.to_string();
+                drop(tracker.spawn(cell::push(robot, url, outboxes.clone(), stop.clone())));
+            }
             cells.push(Cell {
                 id,
                 name,

@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use jiff::Timestamp;
 use journal::Claim;
 use tokio::sync::{mpsc, oneshot, watch};
 use uuid::Uuid;
@@ -111,5 +112,15 @@ impl CellHandle {
     /// The cell as it changes.
     pub(crate) fn watch(&self) -> watch::Receiver<Arc<Cell>> {
         self.view.clone()
+    }
+
+    /// Notes that a mobile robot was heard.
+    pub(crate) fn heard(&self, mobile_robot: &str, at: Timestamp) {
+        self.told.heard(mobile_robot, at);
+    }
+
+    /// When a mobile robot was last heard, in this process.
+    pub(crate) fn heard_at(&self, mobile_robot: &str) -> Option<Timestamp> {
+        self.told.heard_at(mobile_robot)
     }
 }

@@ -10,6 +10,7 @@ use api::{
     TransportOrderBody,
 };
 use jiff::Timestamp;
+use tokio::sync::watch;
 use uuid::Uuid;
 use workflow::{BasePose, Cell, Input, Message, OutMessage};
 
@@ -57,6 +58,11 @@ impl Outboxes {
                 })
             })
             .collect()
+    }
+
+    /// Tells of every change to the cell, and so to its outboxes.
+    pub(crate) fn watch(&self) -> watch::Receiver<Arc<Cell>> {
+        self.work.watch()
     }
 
     /// Takes what a mobile robot has off its outbox: everything up to `n`.

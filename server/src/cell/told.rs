@@ -8,12 +8,18 @@ use crate::journal::{Keeps, SharedJournal};
 /// As many as an outbox holds: older messages are not in it any more.
 const REMEMBERED: usize = 256;
 
-/// When each message to a mobile robot was written, and how messages are numbered.
+/// When each message to a mobile robot was written, and each was last heard; and how messages are numbered.
 #[derive(Clone, Debug)]
 pub(super) struct TellTimes {
     /// What the cell's numbers are counted from.
     first: u64,
-    times: Arc<Mutex<HashMap<String, BTreeMap<u64, Timestamp>>>>,
+    robots: Arc<Mutex<HashMap<String, Times>>>,
+}
+
+#[derive(Debug, Default)]
+struct Times {
+    written: BTreeMap<u64, Timestamp>,
+    heard: Option<Timestamp>,
 }
 
 impl TellTimes {
@@ -31,7 +37,7 @@ impl TellTimes {
         };
         Self {
             first,
-            times: Arc::default(),
+            robots: Arc::default(),
         }
     }
 
@@ -40,16 +46,29 @@ impl TellTimes {
     }
 
     pub(super) fn note(&self, mobile_robot: &str, n: u64, at: Timestamp) {
-        let mut times = self.times.lock().unwrap_or_else(PoisonError::into_inner);
-        let of_robot = times.entry(mobile_robot.to_owned()).or_default();
-        let _first = of_robot.insert(n, at);
-        while of_robot.len() > REMEMBERED {
-            let _oldest = of_robot.pop_first();
-        }
+        self.with(mobile_robot, |times| {
+            let _first = times.written.insert(n, at);
+            while times.written.len() > REMEMBERED {
+                let _oldest = times.written.pop_first();
+            }
+        });
     }
 
     pub(super) fn at(&self, mobile_robot: &str, n: u64) -> Option<Timestamp> {
-        let times = self.times.lock().unwrap_or_else(PoisonError::into_inner);
-        times.get(mobile_robot)?.get(&n).copied()
+        self.with(mobile_robot, |times| times.written.get(&n).copied())
+    }
+
+    pub(super) fn heard(&self, mobile_robot: &str, at: Timestamp) {
+        self.with(mobile_robot, |times| times.heard = Some(at));
+    }
+
+    pub(super) fn heard_at(&self, mobile_robot: &str) -> Option<Timestamp> {
+        self.with(mobile_robot, |times| times.heard)
+    }
+
+    /// Only of robots of the set-up, so there are not more of them.
+    fn with<T>(&self, mobile_robot: &str, then: impl FnOnce(&mut Times) -> T) -> T {
+        let mut robots = self.robots.lock().unwrap_or_else(PoisonError::into_inner);
+        then(robots.entry(mobile_robot.to_owned()).or_default())
     }
 }

@@ -17,10 +17,6 @@ pub struct CellPlan {
     pub(crate) robots: Vec<RobotPlan>,
     pub(crate) setup: Option<SetupSource>,
     /// By the mobile robot's id.
-    #[expect(
-        dead_code,
-        reason = "the messages to mobile robots are pushed there once there are any"
-    )]
     pub(crate) push_urls: BTreeMap<String, Uri>,
 }
 

@@ -60,6 +60,9 @@ const TABLE: &[(&str, &str, Access)] = &[
     (GET, "/api/v1/cells/{cell}/robots/{robot}/speed-override", Access::Viewer),
     (PUT, "/api/v1/cells/{cell}/robots/{robot}/speed-override", Access::Operator),
     // Its mobile robots.
+    (GET, "/api/v1/cells/{cell}/mobile-robots", Access::Viewer),
+    (GET, "/api/v1/cells/{cell}/mobile-robots/{mobile_robot}", Access::Viewer),
+    (GET, "/api/v1/cells/{cell}/mobile-robots/{mobile_robot}/state", Access::Viewer),
     (POST, "/api/v1/cells/{cell}/mobile-robots/{mobile_robot}/signals", Access::MobileRobot),
     (GET, "/api/v1/cells/{cell}/mobile-robots/{mobile_robot}/outbox", Access::MobileRobot),
     // What asks a person.

@@ -65,6 +65,9 @@ pub(crate) fn documented() -> OpenApiRouter<Arc<App>> {
             motion_control::get_speed_override,
             motion_control::put_speed_override
         ))
+        .routes(routes!(mobile_robots::list_mobile_robots))
+        .routes(routes!(mobile_robots::get_mobile_robot))
+        .routes(routes!(mobile_robots::get_mobile_robot_state))
         .routes(routes!(mobile_robots::post_signal))
         .routes(routes!(mobile_robots::get_outbox))
         .routes(routes!(interventions::list_interventions))

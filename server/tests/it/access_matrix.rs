@@ -34,6 +34,9 @@ POST   /api/v1/cells/{cell}/robots/{robot}/kinematics/inverse        VOIA
 GET    /api/v1/cells/{cell}/robots/{robot}/motions                   VOIA
 POST   /api/v1/cells/{cell}/robots/{robot}/motions                   OI
 GET    /api/v1/cells/{cell}/robots/{robot}/motions/{id}              VOIA
+GET    /api/v1/cells/{cell}/mobile-robots                            VOIA
+GET    /api/v1/cells/{cell}/mobile-robots/{mobile_robot}             VOIA
+GET    /api/v1/cells/{cell}/mobile-robots/{mobile_robot}/state       VOIA
 POST   /api/v1/cells/{cell}/robots/{robot}/motions/preview          VOIA
 POST   /api/v1/cells/{cell}/robots/{robot}/motions/{id}/cancel      OI
 POST   /api/v1/cells/{cell}/robots/{robot}/motions/{id}/pause       OI

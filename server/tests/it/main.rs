@@ -21,6 +21,7 @@ mod kinematics;
 mod legacy_moves;
 mod link_failures;
 mod link_queue;
+mod mobile_signals;
 mod motions;
 mod refusals;
 mod serving;

@@ -3,6 +3,7 @@
 mod outbox;
 mod refused;
 mod signal;
+mod state;
 
 use std::sync::Arc;
 
@@ -16,6 +17,10 @@ use workflow::{Input, Reply};
 
 pub(super) use outbox::{__path_get_outbox, get_outbox};
 use refused::KeptProblem;
+pub(super) use state::{
+    __path_get_mobile_robot, __path_get_mobile_robot_state, __path_list_mobile_robots,
+    get_mobile_robot, get_mobile_robot_state, list_mobile_robots,
+};
 
 use super::params::{param, path_params};
 use super::responses::{AnyProblem, BodyProblem, CrossSite, InvalidJson, NotFound};
@@ -95,9 +100,13 @@ pub(super) async fn post_signal(
     let _json = media_type(request.headers(), &["application/json"])?;
     let text = read_body(request, &app.server, app.server.max_body_bytes).await?;
     let signal = signal::check(parse_part::<SignalBody>(&text)?, &id)?;
-    let asked = app.cell(&cell)?.work.ask(Input::Signal(Box::new(signal)));
+    let work = &app.cell(&cell)?.work;
+    let asked = work.ask(Input::Signal(Box::new(signal)));
     match asked.await.map_err(refused::problem)? {
-        Reply::Signal(answer) => answered(answer),
+        Reply::Signal(answer) => {
+            work.heard(&id, app.clock.now());
+            answered(answer)
+        }
         Reply::Done | Reply::Unchanged | Reply::Created(_) => Err(Problem::new(
             ProblemCode::Internal,
             "a signal was answered with something else",

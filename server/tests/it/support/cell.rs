@@ -2,7 +2,7 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use server::config::{CellSection, RobotSection, ServerSection};
+use server::config::{CellSection, RobotSection, ServerSection, SetupSource};
 use server::identity::Identity;
 use server::{Connector, Plan, Seams, ServeError, SharedJournal, SystemClock, TcpConnector};
 use tokio::net::TcpListener;
@@ -214,3 +214,44 @@ pub(crate) const MOTIONS: &str = "/api/v1/cells/c1/robots/r1/motions";
 /// A motion the arm can do.
 pub(crate) const MOTION: &str = r#"{"type": "JOINT", "speed_mm_s": 200, "target": {"pose":
     {"x_mm": 985, "y_mm": 0, "z_mm": 940, "w_deg": 180, "p_deg": 0, "r_deg": 0}}}"#;
+
+/// The demo's set-up: `mr1`, a station, and a destination.
+pub(crate) const DEMO_SETUP: &str = include_str!("../../../../cell/demo.setup.toml");
+
+impl TestServer {
+    /// With the demo's set-up, and a journal that a later server may open again.
+    pub(crate) async fn with_demo_setup(robot: RobotSection, journal: SharedJournal) -> Self {
+        let cell = CellSection {
+            id: "c1".to_owned(),
+            name: None,
+            setup: Some(SetupSource::Memory(DEMO_SETUP.to_owned())),
+            push_urls: std::collections::BTreeMap::new(),
+            robots: vec![robot],
+        };
+        Self::of_cell(ServerSection::default(), cell, journal).await
+    }
+
+    /// With a cell of its own making.
+    pub(crate) async fn of_cell(
+        section: ServerSection,
+        cell: CellSection,
+        journal: SharedJournal,
+    ) -> Self {
+        let section = ServerSection {
+            demo: true,
+            ..section
+        };
+        let seams = Seams {
+            connector: TcpConnector::default(),
+            clock: Arc::new(SystemClock),
+            journal,
+        };
+        Self::of(Plan::try_new(&section, &[cell]).unwrap(), seams).await
+    }
+
+    /// Stops it, and waits until nothing of it is left.
+    pub(crate) async fn stopped(self) {
+        self.stop.cancel();
+        self.task.await.unwrap().unwrap();
+    }
+}
