@@ -31,26 +31,38 @@ impl Work<'_> {
         let name = format!("answer {answer:?}");
         allowed(&name, principal, reason)?;
         let Some(found) = self.cell.book.interventions.get(&id).cloned() else {
-            return Err(Refusal::Unknown { what: "intervention", id: id.to_string() });
+            return Err(Refusal::Unknown {
+                what: "intervention",
+                id: id.to_string(),
+            });
         };
         let decided = Decided {
             answer,
-            detail: detail.clone(),
+            detail,
             principal: principal.name.clone(),
             reason: reason.to_owned(),
         };
         if found.decided.as_ref() == Some(&decided) {
             return Ok(Reply::Unchanged);
         }
-        let conflict = |text: String| Refusal::Conflict { command: name.clone(), text };
+        let conflict = |text: String| Refusal::Conflict {
+            command: name.clone(),
+            text,
+        };
         if !found.is_open() {
             return Err(conflict("the question was decided or withdrawn".into()));
         }
         if !found.question.answers.contains(&answer) {
-            return Err(conflict(format!("allowed are {:?}", found.question.answers)));
+            return Err(conflict(format!(
+                "allowed are {:?}",
+                found.question.answers
+            )));
         }
         if principal.role < answer.needs() {
-            return Err(Refusal::Forbidden { command: name, needed: answer.needs() });
+            return Err(Refusal::Forbidden {
+                command: name,
+                needed: answer.needs(),
+            });
         }
         let question = found.question.clone();
         if question.session.is_some() {
@@ -59,9 +71,24 @@ impl Work<'_> {
         let Some(job) = question.job.and_then(|j| self.job(j)) else {
             return Err(conflict("its job is not known any more".into()));
         };
-        self.answer_job(&job, &question, decided, principal)
+        let reply = self.answer_job(&job, &question, decided, principal)?;
+        self.wait_anew(job.id);
+        Ok(reply)
     }
 
+    /// A job that goes on undoing after an answer begins its waits anew.
+    fn wait_anew(&mut self, job: Uuid) {
+        let Some(job) = self.job(job).filter(|j| j.state == JobState::Stopping) else {
+            return;
+        };
+        for (step, found) in job.steps.iter().enumerate() {
+            if found.state == StepState::Running && found.op.is_none() {
+                self.emit(Fact::StepResent { job: job.id, step });
+            }
+        }
+    }
+
+    #[expect(clippy::too_many_lines, reason = "a table: what each answer does")]
     fn answer_job(
         &mut self,
         job: &Job,
@@ -69,9 +96,18 @@ impl Work<'_> {
         decided: Decided,
         principal: &Principal,
     ) -> Result<Reply, Refusal> {
-        let (answer, detail, reason) = (decided.answer, decided.detail.clone(), decided.reason.clone());
-        let why = Why::Human { principal: principal.name.clone() };
-        let no = |text: String| Refusal::Conflict { command: format!("answer {answer:?}"), text };
+        let (answer, detail, reason) = (
+            decided.answer,
+            decided.detail.clone(),
+            decided.reason.clone(),
+        );
+        let why = Why::Human {
+            principal: principal.name.clone(),
+        };
+        let no = |text: String| Refusal::Conflict {
+            command: format!("answer {answer:?}"),
+            text,
+        };
         // Whatever an answer needs is checked before it is written down.
         match (answer, &detail) {
             (Answer::Resume | Answer::Replan | Answer::Retreat, _) => {
@@ -84,7 +120,9 @@ impl Work<'_> {
                 let mut open = job.clone();
                 open.spec.mobile_robot = Some(mobile_robot.clone());
                 if self.cell.choose_mobile_robot(&open, None).is_none() {
-                    return Err(no(format!("{mobile_robot} is not free, or has not the slots")));
+                    return Err(no(format!(
+                        "{mobile_robot} is not free, or has not the slots"
+                    )));
                 }
             }
             (Answer::ChooseSlot, Detail::Place { place }) => {
@@ -93,9 +131,19 @@ impl Work<'_> {
                     return Err(no(format!("{place} is not free, not taught or not known")));
                 }
             }
-            (Answer::SetCustody, Detail::Custody { load, confirm, location }) => {
+            (
+                Answer::SetCustody,
+                Detail::Custody {
+                    load,
+                    confirm,
+                    location,
+                },
+            ) => {
                 if question.load.as_ref() != Some(load) {
-                    return Err(no(format!("the question is about load {:?}", question.load)));
+                    return Err(no(format!(
+                        "the question is about load {:?}",
+                        question.load
+                    )));
                 }
                 self.set_custody(load, location, confirm, principal, &reason)?;
                 // The statement itself withdrew the question; here it is an answer.
@@ -119,15 +167,15 @@ impl Work<'_> {
                     problem: format!("{answer:?} needs to know which"),
                 });
             }
-            (Answer::Accept, _) if question.fault == Fault::LoadMismatch => {
-                if job.items.iter().any(|i| i.load.is_none()) && !job.is_done(Phase::VerifyLoad) {
-                    // Named when it goes on; nothing to check here.
-                }
-            }
             _ => {}
         }
-        self.emit(Fact::Answered { intervention: question.id, decided });
-        let Some(job) = self.job(job.id) else { return Ok(Reply::Done) };
+        self.emit(Fact::Answered {
+            intervention: question.id,
+            decided,
+        });
+        let Some(job) = self.job(job.id) else {
+            return Ok(Reply::Done);
+        };
         let job = &*job;
         match answer {
             Answer::Cancel | Answer::SendBack if job.state == JobState::Stopping => {
@@ -150,7 +198,10 @@ impl Work<'_> {
             Answer::DidNotHappen => {
                 if let Some(op) = question.op {
                     let text = format!("{}: {reason}", principal.name);
-                    self.emit(Fact::OpEnded { op, result: OpResult::NotExecuted { text } });
+                    self.emit(Fact::OpEnded {
+                        op,
+                        result: OpResult::NotExecuted { text },
+                    });
                 }
             }
             Answer::Retry => self.retry(job, question, &why, &reason),
@@ -166,7 +217,9 @@ impl Work<'_> {
             }
             Answer::AcceptMeasured => {
                 if let Some(session) = self.cell.session_of(job).cloned() {
-                    self.emit(Fact::MeasuredAccepted { session: session.id });
+                    self.emit(Fact::MeasuredAccepted {
+                        session: session.id,
+                    });
                     self.tell(&session, Message::Retry);
                 }
                 self.again(job, Phase::Dock);
@@ -217,7 +270,6 @@ impl Work<'_> {
                 }
             }
             Answer::Wait => self.resume_job(job, why, &reason),
-            Answer::Hold => {}
             Answer::SetCustody => {
                 if job.state == JobState::Stopping {
                     self.undo_again(job);
@@ -235,7 +287,7 @@ impl Work<'_> {
                 self.resume_job(job, why, &reason);
             }
             Answer::ConfirmStill => self.confirmed_still(job),
-            Answer::OperatorMoved | Answer::CancelOrder => {}
+            Answer::Hold | Answer::OperatorMoved | Answer::CancelOrder => {}
         }
         Ok(Reply::Done)
     }
@@ -256,20 +308,36 @@ impl Work<'_> {
     fn happened(&mut self, job: &Job, question: &Question) {
         let Some(op) = question.op else {
             // A rejected operation that a human carried out: its step is over, the rest follows from where the arm is.
-            let stuck = job.steps.iter().position(|s| s.state == StepState::Retriable);
+            let stuck = job
+                .steps
+                .iter()
+                .position(|s| s.state == StepState::Retriable);
             if let Some(step) = stuck {
-                self.step_to(job, step, StepState::Succeeded, "a human says that it happened");
+                self.step_to(
+                    job,
+                    step,
+                    StepState::Succeeded,
+                    "a human says that it happened",
+                );
             }
             return;
         };
-        let Some(found) = self.cell.book.ops.get(&op).cloned() else { return };
+        let Some(found) = self.cell.book.ops.get(&op).cloned() else {
+            return;
+        };
         let result = match &found.action {
             Action::Grip { action } => {
                 let close = *action == GripAction::Close;
-                OpResult::Gripped { closed: close, open: !close, part_present: close }
+                OpResult::Gripped {
+                    closed: close,
+                    open: !close,
+                    part_present: close,
+                }
             }
             Action::Move { .. } => OpResult::Arrived,
-            Action::Precheck { .. } => OpResult::Prechecked { failures: Vec::new() },
+            Action::Precheck { .. } => OpResult::Prechecked {
+                failures: Vec::new(),
+            },
         };
         let _reply = self.op_ended_by_hand(op, result);
     }
@@ -282,10 +350,18 @@ impl Work<'_> {
     /// Replan, resume: the operation in doubt is given up, and the step goes on from where the arm is.
     fn go_on_by_hand(&mut self, job: &Job, question: &Question, why: &Why, reason: &str) {
         if let Some(op) = question.op
-            && self.cell.book.ops.get(&op).is_some_and(|o| grip_of(&o.action).is_none())
+            && self
+                .cell
+                .book
+                .ops
+                .get(&op)
+                .is_some_and(|o| grip_of(&o.action).is_none())
         {
             let text = format!("planned again: {reason}");
-            self.emit(Fact::OpEnded { op, result: OpResult::Interrupted { text } });
+            self.emit(Fact::OpEnded {
+                op,
+                result: OpResult::Interrupted { text },
+            });
         }
         let Some(job) = self.job(job.id) else { return };
         self.put_steps_back(&job);
@@ -314,12 +390,11 @@ impl Work<'_> {
 
     /// HELD goes through UNHOLDING, SUSPENDED through UNSUSPENDING; both read the positions first.
     fn resume_job(&mut self, job: &Job, why: Why, reason: &str) {
-        let to = match job.state {
-            JobState::Held | JobState::Holding => JobState::Unholding,
-            JobState::Suspended | JobState::Suspending => JobState::Unsuspending,
-            _ => return,
-        };
-        self.go(job.id, to, why, reason);
+        if matches!(job.state, JobState::Held | JobState::Holding) {
+            self.go(job.id, JobState::Unholding, why, reason);
+        } else if matches!(job.state, JobState::Suspended | JobState::Suspending) {
+            self.go(job.id, JobState::Unsuspending, why, reason);
+        }
     }
 
     /// A step that waits begins its wait anew.
@@ -332,15 +407,25 @@ impl Work<'_> {
         {
             let to = StepState::Pending;
             let text = "a human lets it be tried again".to_owned();
-            self.emit(Fact::StepMoved { job: job.id, step, to, attempt: 0, text });
+            self.emit(Fact::StepMoved {
+                job: job.id,
+                step,
+                to,
+                attempt: 0,
+                text,
+            });
         }
     }
 
     fn retry(&mut self, job: &Job, question: &Question, why: &Why, reason: &str) {
         if question.fault == Fault::TransportFailed
             && let Some(mobile_robot) = job.mobile_robot.clone()
-            && let Some(transport) =
-                self.cell.book.mobiles.get(&mobile_robot).and_then(|m| m.transport.clone())
+            && let Some(transport) = self
+                .cell
+                .book
+                .mobiles
+                .get(&mobile_robot)
+                .and_then(|m| m.transport.clone())
         {
             self.resend_transport(&mobile_robot, &transport);
             self.again(job, Phase::Transport);
@@ -353,7 +438,10 @@ impl Work<'_> {
         }
         if question.fault == Fault::DockFailed {
             if let Some(session) = self.cell.session_of(job).cloned() {
-                self.emit(Fact::SessionRewound { session: session.id, to: Rewind::Dock });
+                self.emit(Fact::SessionRewound {
+                    session: session.id,
+                    to: Rewind::Dock,
+                });
                 self.tell(&session, Message::Retry);
             }
             self.again(job, Phase::Dock);
@@ -363,11 +451,19 @@ impl Work<'_> {
 
     /// F18: another place for the load in the gripper.
     fn go_elsewhere(&mut self, job: &Job, place: String) {
-        let waiting = job.steps.iter().position(|s| {
-            s.plan.phase == Phase::PlaceApproach && s.state == StepState::Running
-        });
+        let waiting = job
+            .steps
+            .iter()
+            .position(|s| s.plan.phase == Phase::PlaceApproach && s.state == StepState::Running);
         if let Some((index, item)) = waiting.and_then(|s| job.item_of(s)) {
-            self.redirect(job, index, Item { place, ..item.clone() });
+            self.redirect(
+                job,
+                index,
+                Item {
+                    place,
+                    ..item.clone()
+                },
+            );
         }
     }
 
@@ -378,22 +474,39 @@ impl Work<'_> {
     /// Nothing of the old plan goes on.
     fn drop_running(&mut self, job: &Job) {
         if job.compensation != Compensation::None {
-            self.emit(Fact::CompensationMoved { job: job.id, to: Compensation::None });
+            self.emit(Fact::CompensationMoved {
+                job: job.id,
+                to: Compensation::None,
+            });
         }
     }
 
     fn check_swap(&self, job: &Job, to: &str) -> Result<(), Refusal> {
         let no = |text: String| {
-            Err(Refusal::Conflict { command: "answer SwapMobileRobot".into(), text })
+            Err(Refusal::Conflict {
+                command: "answer SwapMobileRobot".into(),
+                text,
+            })
         };
         let Some(setup) = self.cell.setup.mobile_robot(to) else {
-            return Err(Refusal::Unknown { what: "mobile robot", id: to.to_owned() });
+            return Err(Refusal::Unknown {
+                what: "mobile robot",
+                id: to.to_owned(),
+            });
         };
-        if !self.cell.book.claims.is_free(&Resource::MobileRobot(to.to_owned())) {
+        if !self
+            .cell
+            .book
+            .claims
+            .is_free(&Resource::MobileRobot(to.to_owned()))
+        {
             return no(format!("{to} has something else to do"));
         }
         for item in &job.items {
-            let at = Location::MobileRobot { mobile_robot: to.to_owned(), slot: item.slot.clone() };
+            let at = Location::MobileRobot {
+                mobile_robot: to.to_owned(),
+                slot: item.slot.clone(),
+            };
             if !setup.slots.contains(&item.slot) || !self.cell.is_free(&at) {
                 return no(format!("{} of {to} is not free", item.slot));
             }
@@ -403,14 +516,27 @@ impl Work<'_> {
 
     /// F20: the loads are on another mobile robot now, which drives on.
     fn swap(&mut self, job: &Job, to: &str, principal: &Principal, reason: &str) {
-        let Some(from) = job.mobile_robot.clone() else { return };
-        let transport = self.cell.book.mobiles.get(&from).and_then(|m| m.transport.clone());
+        let Some(from) = job.mobile_robot.clone() else {
+            return;
+        };
+        let transport = self
+            .cell
+            .book
+            .mobiles
+            .get(&from)
+            .and_then(|m| m.transport.clone());
         for item in &job.items {
-            let there = Location::MobileRobot { mobile_robot: from.clone(), slot: item.slot.clone() };
+            let there = Location::MobileRobot {
+                mobile_robot: from.clone(),
+                slot: item.slot.clone(),
+            };
             if let Some(load) = self.cell.book.custody.at(&there).map(str::to_owned) {
                 self.emit(Fact::CustodyMoved {
                     load,
-                    to: Location::MobileRobot { mobile_robot: to.to_owned(), slot: item.slot.clone() },
+                    to: Location::MobileRobot {
+                        mobile_robot: to.to_owned(),
+                        slot: item.slot.clone(),
+                    },
                     by: Evidence::Human {
                         principal: principal.name.clone(),
                         reason: reason.to_owned(),
@@ -428,7 +554,12 @@ impl Work<'_> {
             let order = self.ids.next_id();
             let destination = transport.destination.clone();
             let mobile_robot = to.to_owned();
-            self.emit(Fact::TransportBegun { mobile_robot, job: job.id, order, destination });
+            self.emit(Fact::TransportBegun {
+                mobile_robot,
+                job: job.id,
+                order,
+                destination,
+            });
             let transport = crate::book::Transport { order, ..transport };
             self.resend_transport(to, &transport);
         }
@@ -437,20 +568,17 @@ impl Work<'_> {
 
     /// A human looked: the arm stands. The acting state ends.
     fn confirmed_still(&mut self, job: &Job) {
-        match job.state {
-            JobState::Holding => self.go(job.id, JobState::Held, job.why.clone(), job.text.clone()),
-            JobState::Suspending => {
-                self.go(job.id, JobState::Suspended, job.why.clone(), job.text.clone());
-            }
-            JobState::Aborting => {
-                let open: Vec<_> = self.cell.ops_of(job.id).map(|(id, _)| id).collect();
-                for op in open {
-                    let text = "the job was aborted; a human saw the arm stand still".to_owned();
-                    self.emit(Fact::OpEnded { op, result: OpResult::Interrupted { text } });
-                }
-                self.go(job.id, JobState::Aborted, job.why.clone(), job.text.clone());
-            }
-            _ => {}
+        if job.state == JobState::Holding {
+            self.go(job.id, JobState::Held, job.why.clone(), job.text.clone());
+        } else if job.state == JobState::Suspending {
+            self.go(
+                job.id,
+                JobState::Suspended,
+                job.why.clone(),
+                job.text.clone(),
+            );
+        } else if job.state == JobState::Aborting {
+            self.aborted(job);
         }
     }
 
@@ -462,35 +590,40 @@ impl Work<'_> {
                 text: "its session is not known any more".into(),
             });
         };
-        self.emit(Fact::Answered { intervention: question.id, decided });
-        match answer {
-            Answer::OperatorMoved => self.close(&session, SessionState::Exited),
-            Answer::CancelOrder => {
-                if let Some(order) = session.order {
-                    self.tell(&session, Message::CancelOrder { order });
-                }
-                if session.state.may_become(SessionState::Canceling) {
-                    self.move_session(&session, SessionState::Canceling);
-                }
+        self.emit(Fact::Answered {
+            intervention: question.id,
+            decided,
+        });
+        if answer == Answer::OperatorMoved {
+            self.close(&session, SessionState::Exited);
+        } else if answer == Answer::CancelOrder {
+            if let Some(order) = session.order {
+                self.tell(&session, Message::CancelOrder { order });
             }
-            _ => {
-                self.tell(&session, Message::StopPause);
-                match (session.state, session.faulted) {
-                    (SessionState::Faulted, Some((from, _))) if from.is_docked() => {
-                        self.move_session(&session, SessionState::TransferDone);
-                        let reason = "its job is over".to_owned();
-                        self.tell(&session, Message::TransferFailed { reason });
-                    }
-                    (SessionState::Faulted, Some((SessionState::ExitGranted, _))) => {
-                        self.move_session(&session, SessionState::TransferDone);
-                    }
-                    (SessionState::Faulted, _) => self.cancel_order(&session),
-                    (SessionState::ExitGranted, _) => {
-                        self.emit(Fact::SessionResent { session: session.id });
-                        self.tell(&session, Message::ExitGranted);
-                    }
-                    _ => self.emit(Fact::SessionResent { session: session.id }),
+            if session.state.may_become(SessionState::Canceling) {
+                self.move_session(&session, SessionState::Canceling);
+            }
+        } else {
+            self.tell(&session, Message::StopPause);
+            match (session.state, session.faulted) {
+                (SessionState::Faulted, Some((from, _))) if from.is_docked() => {
+                    self.move_session(&session, SessionState::TransferDone);
+                    let reason = "its job is over".to_owned();
+                    self.tell(&session, Message::TransferFailed { reason });
                 }
+                (SessionState::Faulted, Some((SessionState::ExitGranted, _))) => {
+                    self.move_session(&session, SessionState::TransferDone);
+                }
+                (SessionState::Faulted, _) => self.cancel_order(&session),
+                (SessionState::ExitGranted, _) => {
+                    self.emit(Fact::SessionResent {
+                        session: session.id,
+                    });
+                    self.tell(&session, Message::ExitGranted);
+                }
+                _ => self.emit(Fact::SessionResent {
+                    session: session.id,
+                }),
             }
         }
         Ok(Reply::Done)

@@ -84,6 +84,9 @@ pub(crate) struct MobileLive {
     pub count: u64,
     /// The heartbeat timer ran out, and too few have come since.
     pub lost: bool,
+    /// The last number it used, heartbeats included.
+    pub boot: u64,
+    pub seq: u64,
     /// Its numbering is followed; not right after a restart, because heartbeats are not kept.
     pub synced: bool,
 }
@@ -115,14 +118,16 @@ pub(crate) struct Live {
     pub arms: BTreeMap<String, ArmLive>,
     pub mobiles: BTreeMap<String, Arc<MobileLive>>,
     pub planned: BTreeMap<Uuid, u64>,
-    /// Arms that have to be out or still soon (T_safe).
+    /// Arms that have to be out or still soon (`T_safe`).
     pub safe: BTreeMap<String, u64>,
     pub timers: BTreeMap<TimerKey, Wait>,
 }
 
 impl Book {
     pub(crate) fn open_session_of(&self, mobile_robot: &str) -> Option<&Arc<Session>> {
-        self.sessions.values().find(|s| s.mobile_robot == mobile_robot && !s.state.is_closed())
+        self.sessions
+            .values()
+            .find(|s| s.mobile_robot == mobile_robot && !s.state.is_closed())
     }
 
     pub(crate) fn question_of(&self, job: Uuid) -> Option<&Arc<Intervention>> {
@@ -154,7 +159,9 @@ impl Book {
     }
 
     pub(crate) fn is_live(&self, job: Uuid) -> bool {
-        self.jobs.get(&job).is_some_and(|j| !j.state.is_final() && j.state != JobState::Idle)
+        self.jobs
+            .get(&job)
+            .is_some_and(|j| !j.state.is_final() && j.state != JobState::Idle)
     }
 }
 
@@ -166,8 +173,11 @@ fn closed<T>(
     if all.len() <= REMEMBERED {
         return Vec::new();
     }
-    let mut ids: Vec<_> =
-        all.iter().filter(|(_, t)| is_closed(t)).map(|(id, t)| (number(t), *id)).collect();
+    let mut ids: Vec<_> = all
+        .iter()
+        .filter(|(_, t)| is_closed(t))
+        .map(|(id, t)| (number(t), *id))
+        .collect();
     ids.sort_unstable();
     let surplus = all.len() - REMEMBERED;
     ids.into_iter().take(surplus).map(|(_, id)| id).collect()

@@ -30,10 +30,25 @@ impl Cell {
         let loads = setup
             .loads
             .iter()
-            .map(|l| (l.id.clone(), Load { kind: l.kind.clone(), location: l.at.clone() }))
+            .map(|l| {
+                (
+                    l.id.clone(),
+                    Load {
+                        kind: l.kind.clone(),
+                        location: l.at.clone(),
+                    },
+                )
+            })
             .collect();
-        let book = Book { custody: Arc::new(Custody(loads)), ..Book::default() };
-        Self { setup: Arc::new(setup), book, live: Live::default() }
+        let book = Book {
+            custody: Arc::new(Custody(loads)),
+            ..Book::default()
+        };
+        Self {
+            setup: Arc::new(setup),
+            book,
+            live: Live::default(),
+        }
     }
 
     /// The configuration in force.
@@ -71,7 +86,12 @@ impl Cell {
     /// When [`Input::Tick`] is due.
     #[must_use]
     pub fn next_deadline(&self) -> Option<Millis> {
-        self.live.timers.values().filter(|w| !w.fired).map(|w| w.running.at).min()
+        self.live
+            .timers
+            .values()
+            .filter(|w| !w.fired)
+            .map(|w| w.running.at)
+            .min()
     }
 
     /// Whether two cells hold the same durable state, whatever they see right now.

@@ -16,10 +16,13 @@ impl Work<'_> {
         match input {
             Input::Recover => Ok(self.recover()),
             Input::CreateJob { job } => self.create(*job, None).map(Reply::Created),
-            Input::JobCommand { job, command, principal, reason } => {
-                self.command(job, command, &principal, &reason)
-            }
-            Input::Signal(signal) => return self.signal(*signal),
+            Input::JobCommand {
+                job,
+                command,
+                principal,
+                reason,
+            } => self.command(job, command, &principal, &reason),
+            Input::Signal(signal) => self.signal(*signal),
             Input::OutboxTaken { mobile_robot, n } => {
                 let waiting = self.cell.book.mobiles.get(&mobile_robot);
                 if !waiting.is_some_and(|m| m.outbox.iter().any(|o| o.n <= n)) {
@@ -37,10 +40,20 @@ impl Work<'_> {
             }
             Input::OperationEnded { op, result } => self.op_ended(op, result),
             Input::ArmObserved(seen) => self.observed(seen),
-            Input::Respond { intervention, answer, detail, principal, reason } => {
-                self.respond(intervention, answer, detail, &principal, &reason)
-            }
-            Input::SetCustody { load, location, confirm, principal, reason } => {
+            Input::Respond {
+                intervention,
+                answer,
+                detail,
+                principal,
+                reason,
+            } => self.respond(intervention, answer, detail, &principal, &reason),
+            Input::SetCustody {
+                load,
+                location,
+                confirm,
+                principal,
+                reason,
+            } => {
                 self.set_custody(&load, &location, &confirm, &principal, &reason)?;
                 Ok(Reply::Done)
             }
@@ -58,16 +71,28 @@ impl Work<'_> {
     }
 
     /// A new job in the queue.
-    pub(crate) fn create(&mut self, spec: NewJob, trigger: Option<String>) -> Result<Uuid, Refusal> {
+    pub(crate) fn create(
+        &mut self,
+        spec: NewJob,
+        trigger: Option<String>,
+    ) -> Result<Uuid, Refusal> {
         let items = items_of(&self.cell, &spec, self.now)?;
         let job = self.ids.next_id();
-        self.emit(Fact::JobCreated { job, spec: Box::new(spec), trigger, items });
+        self.emit(Fact::JobCreated {
+            job,
+            spec: Box::new(spec),
+            trigger,
+            items,
+        });
         Ok(job)
     }
 
     fn observed(&mut self, seen: ArmSeen) -> Result<Reply, Refusal> {
         if !self.cell.setup.arms.contains(&seen.arm) {
-            return Err(Refusal::Unknown { what: "arm", id: seen.arm });
+            return Err(Refusal::Unknown {
+                what: "arm",
+                id: seen.arm,
+            });
         }
         self.emit(Fact::ArmSeen(seen));
         Ok(Reply::Done)
@@ -82,10 +107,21 @@ impl Work<'_> {
         if writable {
             for id in self.jobs() {
                 let Some(job) = self.job(id) else { continue };
-                self.note(id, Fault::JournalUnwritable, "the journal could not be written");
+                self.note(
+                    id,
+                    Fault::JournalUnwritable,
+                    "the journal could not be written",
+                );
                 if crate::react::outranks(JobState::Holding, job.state) {
-                    let why = Why::Fault { fault: Fault::JournalUnwritable };
-                    self.go(id, JobState::Holding, why, "the journal can be written again");
+                    let why = Why::Fault {
+                        fault: Fault::JournalUnwritable,
+                    };
+                    self.go(
+                        id,
+                        JobState::Holding,
+                        why,
+                        "the journal can be written again",
+                    );
                 }
             }
         }
@@ -104,7 +140,10 @@ impl Work<'_> {
         let command = || "set-custody".to_owned();
         allowed(&command(), principal, reason)?;
         let Some(now) = self.cell.book.custody.of(load).cloned() else {
-            return Err(Refusal::Unknown { what: "load", id: load.to_owned() });
+            return Err(Refusal::Unknown {
+                what: "load",
+                id: load.to_owned(),
+            });
         };
         if load != confirm {
             return Err(Refusal::Invalid {
@@ -115,10 +154,14 @@ impl Work<'_> {
         let known = match location {
             Location::Fixed { place } => self.cell.setup.place(place).is_some(),
             Location::Gripper { arm } => self.cell.setup.arms.contains(arm),
-            Location::MobileRobot { mobile_robot, slot } => {
-                self.cell.setup.mobile_robot(mobile_robot).is_some_and(|m| m.slots.contains(slot))
+            Location::MobileRobot { mobile_robot, slot } => self
+                .cell
+                .setup
+                .mobile_robot(mobile_robot)
+                .is_some_and(|m| m.slots.contains(slot)),
+            Location::Delivered { destination } => {
+                self.cell.setup.destinations.contains(destination)
             }
-            Location::Delivered { destination } => self.cell.setup.destinations.contains(destination),
             Location::Unknown { .. } => false,
         };
         if !known {
@@ -128,7 +171,13 @@ impl Work<'_> {
             });
         }
         if now != *location && !self.cell.is_free(location) {
-            let other = self.cell.book.custody.at(location).unwrap_or_default().to_owned();
+            let other = self
+                .cell
+                .book
+                .custody
+                .at(location)
+                .unwrap_or_default()
+                .to_owned();
             return Err(Refusal::Conflict {
                 command: command(),
                 text: format!("load {other} is booked at {location}"),
@@ -136,9 +185,12 @@ impl Work<'_> {
         }
         let gripping = self.cell.book.ops.values().any(|op| {
             crate::supervise::grip_of(&op.action).is_some()
-                && self.cell.book.jobs.get(&op.job).is_some_and(|j| {
-                    j.items.iter().any(|i| i.load.as_deref() == Some(load))
-                })
+                && self
+                    .cell
+                    .book
+                    .jobs
+                    .get(&op.job)
+                    .is_some_and(|j| j.items.iter().any(|i| i.load.as_deref() == Some(load)))
         });
         let moving = self.cell.book.jobs.values().any(|j| {
             j.items.iter().any(|i| i.load.as_deref() == Some(load))
@@ -162,7 +214,9 @@ impl Work<'_> {
             });
         }
         let open = self.cell.book.interventions.values().find(|i| {
-            i.is_open() && i.question.load.as_deref() == Some(load) && i.question.fault == Fault::PartLost
+            i.is_open()
+                && i.question.load.as_deref() == Some(load)
+                && i.question.fault == Fault::PartLost
         });
         if let Some(intervention) = open.map(|i| i.question.id) {
             let text = format!("{} said where it is", principal.name);
@@ -173,12 +227,15 @@ impl Work<'_> {
 
     fn setup_changed(&mut self, setup: crate::Setup) -> Result<Reply, Refusal> {
         if let Some(error) = setup.check().into_iter().next() {
-            return Err(Refusal::Invalid { item: error.item, problem: error.problem });
+            return Err(Refusal::Invalid {
+                item: error.item,
+                problem: error.problem,
+            });
         }
         if setup == *self.cell.setup {
             return Ok(Reply::Unchanged);
         }
-        for (resource, _) in &self.cell.book.claims.0 {
+        for resource in self.cell.book.claims.0.keys() {
             let kept = match resource {
                 crate::Resource::Point(id) => setup.point(id) == self.cell.setup.point(id),
                 crate::Resource::Arm(id) => setup.arms.contains(id),
@@ -199,9 +256,9 @@ impl Work<'_> {
             let kept = match &found.location {
                 Location::Fixed { place } => setup.place(place).is_some(),
                 Location::Gripper { arm } => setup.arms.contains(arm),
-                Location::MobileRobot { mobile_robot, slot } => {
-                    setup.mobile_robot(mobile_robot).is_some_and(|m| m.slots.contains(slot))
-                }
+                Location::MobileRobot { mobile_robot, slot } => setup
+                    .mobile_robot(mobile_robot)
+                    .is_some_and(|m| m.slots.contains(slot)),
                 Location::Delivered { .. } | Location::Unknown { .. } => true,
             };
             if !kept {
@@ -211,16 +268,19 @@ impl Work<'_> {
                 });
             }
         }
-        let taken = setup.loads.iter().find(|l| {
-            self.cell.book.custody.of(&l.id).is_none() && !self.cell.is_free(&l.at)
-        });
+        let taken = setup
+            .loads
+            .iter()
+            .find(|l| self.cell.book.custody.of(&l.id).is_none() && !self.cell.is_free(&l.at));
         if let Some(load) = taken {
             return Err(Refusal::Conflict {
                 command: "set-up".into(),
                 text: format!("new load {}: {} is not free", load.id, load.at),
             });
         }
-        self.emit(Fact::SetupChanged { setup: Box::new(setup) });
+        self.emit(Fact::SetupChanged {
+            setup: Box::new(setup),
+        });
         Ok(Reply::Done)
     }
 }
@@ -228,10 +288,16 @@ impl Work<'_> {
 /// Every decision of a human has an author who may, and a reason.
 pub(crate) fn allowed(command: &str, principal: &Principal, reason: &str) -> Result<(), Refusal> {
     if principal.role < Role::Operator {
-        return Err(Refusal::Forbidden { command: command.to_owned(), needed: Role::Operator });
+        return Err(Refusal::Forbidden {
+            command: command.to_owned(),
+            needed: Role::Operator,
+        });
     }
     if reason.trim().is_empty() {
-        return Err(Refusal::Invalid { item: "reason".into(), problem: "it is empty".into() });
+        return Err(Refusal::Invalid {
+            item: "reason".into(),
+            problem: "it is empty".into(),
+        });
     }
     if reason.len() > 1_000 {
         return Err(Refusal::Invalid {

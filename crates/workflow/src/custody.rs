@@ -98,11 +98,16 @@ impl Custody {
 
     /// The load at a location; the first by name where a bin holds several.
     pub(crate) fn at(&self, location: &Location) -> Option<&str> {
-        self.0.iter().find(|(_, l)| l.location == *location).map(|(id, _)| id.as_str())
+        self.0
+            .iter()
+            .find(|(_, l)| l.location == *location)
+            .map(|(id, _)| id.as_str())
     }
 
     pub(crate) fn in_gripper(&self, arm: &str) -> Option<&str> {
-        self.at(&Location::Gripper { arm: arm.to_owned() })
+        self.at(&Location::Gripper {
+            arm: arm.to_owned(),
+        })
     }
 
     /// A load of unknown place that this arm may still have.

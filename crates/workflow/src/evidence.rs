@@ -15,7 +15,11 @@ use crate::signal::MobileState;
 impl Cell {
     /// The permit of a session right now.
     pub(crate) fn permit_of(&self, session: &Session) -> Permit {
-        if self.live.recovered { Permit::of(session.state) } else { Permit::None }
+        if self.live.recovered {
+            Permit::of(session.state)
+        } else {
+            Permit::None
+        }
     }
 
     /// The last look at an arm whose controller answers.
@@ -32,19 +36,23 @@ impl Cell {
     /// It takes operations, and jobs may give them.
     pub(crate) fn arm_ready(&self, arm: &str) -> bool {
         self.live.jobs_may_act
-            && self.arm_seen(arm).is_some_and(|s| {
-                s.ready && matches!(s.safety, Safety::Normal | Safety::Reduced)
-            })
+            && self
+                .arm_seen(arm)
+                .is_some_and(|s| s.ready && matches!(s.safety, Safety::Normal | Safety::Reduced))
     }
 
     pub(crate) fn arm_in_zone(&self, arm: &str, zone: &str) -> bool {
-        self.live.arms.get(arm).is_some_and(|a| a.seen.zones.iter().any(|z| z == zone))
+        self.live
+            .arms
+            .get(arm)
+            .is_some_and(|a| a.seen.zones.iter().any(|z| z == zone))
     }
 
     /// `ARM_CLEAR`: every arm of the point is seen outside its zone, and none is on its way in.
     pub(crate) fn arm_clear(&self, point: &Point) -> bool {
         point.arms.iter().all(|arm| {
-            self.arm_seen(arm).is_some_and(|s| !s.zones.contains(&point.zone))
+            self.arm_seen(arm)
+                .is_some_and(|s| !s.zones.contains(&point.zone))
                 && !self.book.ops.values().any(|op| {
                     op.arm == *arm
                         && matches!(&op.action, Action::Move { target, .. } if target.enters_zone())
@@ -54,7 +62,10 @@ impl Cell {
 
     /// Where an arm may be in the zone of the point, by sight or by intention.
     pub(crate) fn arm_may_be_in(&self, point: &Point) -> bool {
-        point.arms.iter().any(|arm| self.arm_in_zone(arm, &point.zone))
+        point
+            .arms
+            .iter()
+            .any(|arm| self.arm_in_zone(arm, &point.zone))
             || !point.arms.iter().all(|arm| self.arm_seen(arm).is_some())
             || self.book.ops.values().any(|op| {
                 point.arms.contains(&op.arm)
@@ -64,13 +75,22 @@ impl Cell {
 
     /// The last state of a mobile robot that is not lost.
     pub(crate) fn mobile_seen(&self, mobile_robot: &str) -> Option<&MobileState> {
-        self.live.mobiles.get(mobile_robot).filter(|m| !m.lost).and_then(|m| m.state.as_ref())
+        self.live
+            .mobiles
+            .get(mobile_robot)
+            .filter(|m| !m.lost)
+            .and_then(|m| m.state.as_ref())
     }
 
     /// The second evidence (M5): it stands where it said it docked, and trusts its pose.
     pub(crate) fn dock_evidence(&self, session: &Session) -> Result<(), String> {
-        let point = self.setup.point(&session.point).ok_or("the point is not configured")?;
-        let seen = self.mobile_seen(&session.mobile_robot).ok_or("it is not heard")?;
+        let point = self
+            .setup
+            .point(&session.point)
+            .ok_or("the point is not configured")?;
+        let seen = self
+            .mobile_seen(&session.mobile_robot)
+            .ok_or("it is not heard")?;
         let docked = session.docked.ok_or("it has not docked")?;
         if seen.driving {
             return Err("it drives".into());
@@ -101,17 +121,26 @@ impl Cell {
 
     /// Operations of a job that have not ended.
     pub(crate) fn ops_of(&self, job: Uuid) -> impl Iterator<Item = (Uuid, OpState)> {
-        self.book.ops.iter().filter(move |(_, op)| op.job == job).map(|(id, op)| (*id, op.state))
+        self.book
+            .ops
+            .iter()
+            .filter(move |(_, op)| op.job == job)
+            .map(|(id, op)| (*id, op.state))
     }
 
     /// The arm of the job stands still and has nothing to do, or there is none.
     pub(crate) fn is_quiet(&self, job: &Job) -> bool {
-        let running = self.ops_of(job.id).any(|(_, state)| state == OpState::Running);
+        let running = self
+            .ops_of(job.id)
+            .any(|(_, state)| state == OpState::Running);
         !running && job.arm.as_ref().is_none_or(|arm| self.arm_still(arm))
     }
 
     /// The session of a job, while it is open.
     pub(crate) fn session_of(&self, job: &Job) -> Option<&std::sync::Arc<Session>> {
-        self.book.sessions.get(&job.session?).filter(|s| !s.state.is_closed())
+        self.book
+            .sessions
+            .get(&job.session?)
+            .filter(|s| !s.state.is_closed())
     }
 }

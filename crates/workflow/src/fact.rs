@@ -37,19 +37,51 @@ pub enum Fact {
     /// The configuration is this from now on.
     SetupChanged { setup: Box<Setup> },
     /// A job was taken into the queue.
-    JobCreated { job: Uuid, spec: Box<NewJob>, trigger: Option<String>, items: Vec<Item> },
+    JobCreated {
+        job: Uuid,
+        spec: Box<NewJob>,
+        trigger: Option<String>,
+        items: Vec<Item>,
+    },
     /// A job got its arm and mobile robot.
-    JobAssigned { job: Uuid, arm: String, mobile_robot: String },
+    JobAssigned {
+        job: Uuid,
+        arm: String,
+        mobile_robot: String,
+    },
     /// A job changed its state.
-    JobMoved { job: Uuid, to: JobState, why: Why, text: String },
+    JobMoved {
+        job: Uuid,
+        to: JobState,
+        why: Why,
+        text: String,
+    },
     /// A fault of the matrix happened to a job.
-    FaultNoted { job: Uuid, fault: Fault, text: String },
+    FaultNoted {
+        job: Uuid,
+        fault: Fault,
+        text: String,
+    },
     /// Steps were appended; those in `drop` are not needed any more.
-    Planned { job: Uuid, steps: Vec<PlannedStep>, drop: Vec<usize> },
+    Planned {
+        job: Uuid,
+        steps: Vec<PlannedStep>,
+        drop: Vec<usize>,
+    },
     /// A step changed its state.
-    StepMoved { job: Uuid, step: usize, to: StepState, attempt: u8, text: String },
+    StepMoved {
+        job: Uuid,
+        step: usize,
+        to: StepState,
+        attempt: u8,
+        text: String,
+    },
     /// A step goes to another place.
-    StepRedirected { job: Uuid, step: usize, place: PlaceRef },
+    StepRedirected {
+        job: Uuid,
+        step: usize,
+        place: PlaceRef,
+    },
     /// A request of a step was sent again, or its wait was extended.
     StepResent { job: Uuid, step: usize },
     /// A step needs one more step to be done before.
@@ -63,11 +95,23 @@ pub enum Fact {
     /// A job is dispatched again.
     Redispatched { job: Uuid },
     /// Resources were claimed, all of them.
-    Claimed { by: Holder, resources: Vec<Resource> },
+    Claimed {
+        by: Holder,
+        resources: Vec<Resource>,
+    },
     /// Everything a holder had, or only `resources`, is free.
-    Released { by: Holder, resources: Option<Vec<Resource>> },
+    Released {
+        by: Holder,
+        resources: Option<Vec<Resource>>,
+    },
     /// An operation is intended. Durable before anything is sent.
-    OpStarted { op: Uuid, job: Uuid, step: usize, arm: String, action: Action },
+    OpStarted {
+        op: Uuid,
+        job: Uuid,
+        step: usize,
+        arm: String,
+        action: Action,
+    },
     /// Nobody knows what became of an operation.
     OpDoubted { op: Uuid, text: String },
     /// The truth is being read.
@@ -76,16 +120,29 @@ pub enum Fact {
     OpEnded { op: Uuid, result: OpResult },
     /// An arm was told to stop. Not kept: a stop needs no journal.
     ArmStopped { arm: String, text: String },
-    /// An arm has to be out of the zone or still within T_safe. Not kept.
+    /// An arm has to be out of the zone or still within `T_safe`. Not kept.
     SafeDue { arm: String },
     /// A hand-over session of a point.
-    SessionOpened { session: Uuid, point: String, job: Uuid, mobile_robot: String },
+    SessionOpened {
+        session: Uuid,
+        point: String,
+        job: Uuid,
+        mobile_robot: String,
+    },
     /// Another mobile robot serves the session.
     SessionHandedOn { session: Uuid, mobile_robot: String },
     /// A session changed its state.
-    SessionMoved { session: Uuid, to: SessionState, fault: Option<Fault> },
+    SessionMoved {
+        session: Uuid,
+        to: SessionState,
+        fault: Option<Fault>,
+    },
     /// An order of the session was sent, or sent again.
-    SessionOrdered { session: Uuid, order: Uuid, update: u32 },
+    SessionOrdered {
+        session: Uuid,
+        order: Uuid,
+        update: u32,
+    },
     /// A request of the session was sent again.
     SessionResent { session: Uuid },
     /// A part of the session has to be done again.
@@ -95,28 +152,51 @@ pub enum Fact {
     /// A mobile robot drives out.
     SessionLeft { session: Uuid },
     /// Something was put into the outbox of a mobile robot.
-    Told { mobile_robot: String, session: Option<Uuid>, message: Message },
+    Told {
+        mobile_robot: String,
+        session: Option<Uuid>,
+        message: Message,
+    },
     /// Messages were fetched.
     OutboxTaken { mobile_robot: String, n: u64 },
     /// A signal arrived and was answered. Acted on only if it was accepted.
-    Signaled { signal: Box<Signal>, answer: SignalAnswer },
+    Signaled {
+        signal: Box<Signal>,
+        answer: SignalAnswer,
+    },
     /// A heartbeat arrived. Not kept.
     Beat { signal: Box<Signal> },
     /// A mobile robot drives with loads to a destination.
-    TransportBegun { mobile_robot: String, job: Uuid, order: Uuid, destination: String },
+    TransportBegun {
+        mobile_robot: String,
+        job: Uuid,
+        order: Uuid,
+        destination: String,
+    },
     /// That drive is over.
     TransportEnded { mobile_robot: String },
     /// A load that was not configured.
-    LoadRegistered { load: String, kind: String, location: Location },
+    LoadRegistered {
+        load: String,
+        kind: String,
+        location: Location,
+    },
     /// A load is somewhere else now.
-    CustodyMoved { load: String, to: Location, by: Evidence },
+    CustodyMoved {
+        load: String,
+        to: Location,
+        by: Evidence,
+    },
     /// A human is asked.
     Asked { question: Box<Question> },
     /// A human decided.
-    Answered { intervention: Uuid, decided: Decided },
+    Answered {
+        intervention: Uuid,
+        decided: Decided,
+    },
     /// The question has no meaning any more.
     Withdrawn { intervention: Uuid, text: String },
-    /// A wait ended without what was waited for.
+    /// A wait ended without what was waited for. Not kept: what was done about it is.
     TimerExpired { timer: TimerKey },
     /// An arm was looked at. Not kept.
     ArmSeen(ArmSeen),
@@ -148,7 +228,7 @@ impl Fact {
                 | Self::OpPlanned { .. }
                 | Self::ControlChanged { .. }
                 | Self::JournalChanged { .. }
-                | Self::TimerExpired { timer: TimerKey::Queue { .. } | TimerKey::Question { .. } }
+                | Self::TimerExpired { .. }
         )
     }
 }

@@ -17,14 +17,20 @@ use crate::timers::TimerKey;
 
 impl Cell {
     /// Folds `fact`; `now` is `None` while old facts are replayed.
-    #[expect(clippy::too_many_lines, reason = "one arm for each fact, most of them one line")]
+    #[expect(
+        clippy::too_many_lines,
+        reason = "one arm for each fact, most of them one line"
+    )]
     pub(crate) fn fold(&mut self, now: Option<Millis>, fact: &Fact) -> Vec<Effect> {
         let mut effects = Vec::new();
         let fresh = now.is_some();
         match fact {
             Fact::Recovered => {
                 if fresh {
-                    self.live = Live { recovered: true, ..Live::default() };
+                    self.live = Live {
+                        recovered: true,
+                        ..Live::default()
+                    };
                 }
                 for mobile in self.book.mobiles.values_mut() {
                     // A grant nobody fetched dies with the permit it announced.
@@ -32,7 +38,12 @@ impl Cell {
                 }
             }
             Fact::SetupChanged { setup } => self.install(setup),
-            Fact::JobCreated { job, spec, trigger, items } => {
+            Fact::JobCreated {
+                job,
+                spec,
+                trigger,
+                items,
+            } => {
                 self.book.created += 1;
                 let new = Job {
                     id: *job,
@@ -55,7 +66,11 @@ impl Cell {
                 };
                 drop(self.book.jobs.insert(*job, Arc::new(new)));
             }
-            Fact::JobAssigned { job, arm, mobile_robot } => self.job_mut(job, |j| {
+            Fact::JobAssigned {
+                job,
+                arm,
+                mobile_robot,
+            } => self.job_mut(job, |j| {
                 j.arm = Some(arm.clone());
                 j.mobile_robot = Some(mobile_robot.clone());
             }),
@@ -76,7 +91,10 @@ impl Cell {
             }
             Fact::FaultNoted { job, fault, text } => self.job_mut(job, |j| {
                 if j.faults.len() < REMEMBERED {
-                    j.faults.push(FaultNote { fault: *fault, text: text.clone() });
+                    j.faults.push(FaultNote {
+                        fault: *fault,
+                        text: text.clone(),
+                    });
                 }
             }),
             Fact::Planned { job, steps, drop } => self.job_mut(job, |j| {
@@ -87,7 +105,13 @@ impl Cell {
                 }
                 j.steps.extend(steps.iter().cloned().map(Step::new));
             }),
-            Fact::StepMoved { job, step, to, attempt, text: _ } => self.step_mut(job, *step, |s| {
+            Fact::StepMoved {
+                job,
+                step,
+                to,
+                attempt,
+                text: _,
+            } => self.step_mut(job, *step, |s| {
                 if s.attempt != *attempt || *to == StepState::Pending {
                     (s.done_ops, s.resends) = (0, 0);
                 }
@@ -116,7 +140,13 @@ impl Cell {
             Fact::Released { by, resources } => {
                 self.book.claims.release(*by, resources.as_deref());
             }
-            Fact::OpStarted { op, job, step, arm, action } => {
+            Fact::OpStarted {
+                op,
+                job,
+                step,
+                arm,
+                action,
+            } => {
                 let new = Op {
                     job: *job,
                     step: *step,
@@ -164,7 +194,12 @@ impl Cell {
             Fact::SafeDue { arm } => {
                 let _stamp = self.live.safe.insert(arm.clone(), 1);
             }
-            Fact::SessionOpened { session, point, job, mobile_robot } => {
+            Fact::SessionOpened {
+                session,
+                point,
+                job,
+                mobile_robot,
+            } => {
                 self.book.created += 1;
                 let new = Session {
                     id: *session,
@@ -190,7 +225,10 @@ impl Cell {
                 drop(self.book.sessions.insert(*session, Arc::new(new)));
                 self.job_mut(job, |j| j.session = Some(*session));
             }
-            Fact::SessionHandedOn { session, mobile_robot } => {
+            Fact::SessionHandedOn {
+                session,
+                mobile_robot,
+            } => {
                 let job = self.book.sessions.get(session).map(|s| s.job);
                 self.session_mut(session, |s| {
                     s.mobile_robot.clone_from(mobile_robot);
@@ -214,7 +252,11 @@ impl Cell {
                     self.book.forget();
                 }
             }
-            Fact::SessionOrdered { session, order, update } => self.session_mut(session, |s| {
+            Fact::SessionOrdered {
+                session,
+                order,
+                update,
+            } => self.session_mut(session, |s| {
                 (s.order, s.update) = (Some(*order), *update);
             }),
             Fact::SessionResent { session } => {
@@ -225,21 +267,30 @@ impl Cell {
                 self.session_mut(session, |s| s.measured_accepted = true);
             }
             Fact::SessionLeft { session } => self.session_mut(session, |s| s.left = true),
-            Fact::Told { mobile_robot, session, message } => {
+            Fact::Told {
+                mobile_robot,
+                session,
+                message,
+            } => {
                 let out = self.put_out(mobile_robot, *session, message);
-                effects.push(Effect::Tell { mobile_robot: mobile_robot.clone(), message: out });
+                effects.push(Effect::Tell {
+                    mobile_robot: mobile_robot.clone(),
+                    message: out,
+                });
             }
             Fact::OutboxTaken { mobile_robot, n } => {
                 self.mobile_mut(mobile_robot, |m| m.outbox.retain(|o| o.n > *n));
             }
             Fact::Signaled { signal, answer } => self.fold_signal(fresh, signal, answer),
             Fact::Beat { signal } => {
-                self.mobile_mut(&signal.mobile_robot, |m| {
-                    (m.boot, m.seq) = (signal.boot, signal.seq);
-                });
                 self.see(fresh, signal);
             }
-            Fact::TransportBegun { mobile_robot, job, order, destination } => {
+            Fact::TransportBegun {
+                mobile_robot,
+                job,
+                order,
+                destination,
+            } => {
                 self.mobile_mut(mobile_robot, |m| {
                     m.transport = Some(Transport {
                         job: *job,
@@ -251,8 +302,15 @@ impl Cell {
             Fact::TransportEnded { mobile_robot } => {
                 self.mobile_mut(mobile_robot, |m| m.transport = None);
             }
-            Fact::LoadRegistered { load, kind, location } => {
-                let new = Load { kind: kind.clone(), location: location.clone() };
+            Fact::LoadRegistered {
+                load,
+                kind,
+                location,
+            } => {
+                let new = Load {
+                    kind: kind.clone(),
+                    location: location.clone(),
+                };
                 let custody = Arc::make_mut(&mut self.book.custody);
                 drop(custody.0.insert(load.clone(), new));
             }
@@ -281,9 +339,14 @@ impl Cell {
                     reminders: 0,
                 };
                 drop(self.book.interventions.insert(question.id, Arc::new(new)));
-                effects.push(Effect::Ask { intervention: question.id });
+                effects.push(Effect::Ask {
+                    intervention: question.id,
+                });
             }
-            Fact::Answered { intervention, decided } => {
+            Fact::Answered {
+                intervention,
+                decided,
+            } => {
                 if let Some(found) = self.book.interventions.get_mut(intervention) {
                     Arc::make_mut(found).decided = Some(decided.clone());
                 }
@@ -298,15 +361,18 @@ impl Cell {
                     wait.fired = true;
                 }
                 if let TimerKey::Question { intervention } = timer {
-                    if let Some(wait) = self.live.timers.remove(timer) {
-                        drop(wait);
-                    }
-                    effects.push(Effect::Remind { intervention: *intervention });
+                    let _armed_anew = self.live.timers.remove(timer);
+                    effects.push(Effect::Remind {
+                        intervention: *intervention,
+                    });
                 }
                 if let TimerKey::Safe { arm } = timer {
                     let _one = self.live.safe.remove(arm);
                 }
-                if matches!(timer, TimerKey::Queue { .. }) {
+                if matches!(
+                    timer,
+                    TimerKey::Queue { .. } | TimerKey::State { .. } | TimerKey::Step { .. }
+                ) {
                     let _armed_anew = self.live.timers.remove(timer);
                 }
             }
@@ -315,7 +381,11 @@ impl Cell {
                     let before = self.live.arms.get(&seen.arm);
                     let count = before.map_or(0, |b| b.count) + 1;
                     let stopping = before.is_some_and(|b| b.stopping) && !seen.still;
-                    let live = ArmLive { seen: seen.clone(), count, stopping };
+                    let live = ArmLive {
+                        seen: seen.clone(),
+                        count,
+                        stopping,
+                    };
                     drop(self.live.arms.insert(seen.arm.clone(), live));
                 }
             }
@@ -340,20 +410,33 @@ impl Cell {
     }
 
     fn fold_op_ended(&mut self, op: &uuid::Uuid, result: &OpResult) {
-        let Some(ended) = self.book.ops.remove(op) else { return };
+        let Some(ended) = self.book.ops.remove(op) else {
+            return;
+        };
         let _planned = self.live.planned.remove(op);
         let succeeded = match (&ended.action, result) {
             (Action::Move { .. }, OpResult::Arrived) => true,
             (Action::Precheck { .. }, OpResult::Prechecked { failures }) => failures.is_empty(),
-            (Action::Grip { action, .. }, OpResult::Gripped { closed, open, part_present }) => {
-                match action {
-                    crate::GripAction::Close => *closed && *part_present,
-                    crate::GripAction::Open => *open && !*part_present,
-                }
-            }
+            (
+                Action::Grip { action, .. },
+                OpResult::Gripped {
+                    closed,
+                    open,
+                    part_present,
+                },
+            ) => match action {
+                crate::GripAction::Close => *closed && *part_present,
+                crate::GripAction::Open => *open && !*part_present,
+            },
             (Action::Move { .. } | Action::Precheck { .. } | Action::Grip { .. }, _) => false,
         };
-        let safe = matches!(&ended.action, Action::Move { target: Target::Safe, .. });
+        let safe = matches!(
+            &ended.action,
+            Action::Move {
+                target: Target::Safe,
+                ..
+            }
+        );
         if safe {
             let _one = self.live.safe.remove(&ended.arm);
         }
@@ -390,13 +473,23 @@ impl Cell {
             }
         });
         if matches!(answer, SignalAnswer::Parked) {
+            if let Some(live) = self.live.mobiles.get_mut(&signal.mobile_robot)
+                && live.boot != signal.boot
+            {
+                let live = Arc::make_mut(live);
+                (live.boot, live.seq) = (signal.boot, 0);
+            }
             return;
         }
         self.see(fresh, signal);
         if !matches!(answer, SignalAnswer::Accepted { .. }) {
             return;
         }
-        let Some(session) = self.book.open_session_of(&signal.mobile_robot).map(|s| s.id) else {
+        let Some(session) = self
+            .book
+            .open_session_of(&signal.mobile_robot)
+            .map(|s| s.id)
+        else {
             return;
         };
         self.session_mut(&session, |s| {
@@ -409,8 +502,14 @@ impl Cell {
         if !fresh {
             return;
         }
-        let live = Arc::make_mut(self.live.mobiles.entry(signal.mobile_robot.clone()).or_default());
+        let live = Arc::make_mut(
+            self.live
+                .mobiles
+                .entry(signal.mobile_robot.clone())
+                .or_default(),
+        );
         live.state = Some(signal.state.clone());
+        (live.boot, live.seq) = (signal.boot, signal.seq);
         live.beats += 1;
         live.count += 1;
         live.lost &= live.beats < u64::from(self.setup.timers.heartbeats_to_resume);
@@ -423,11 +522,18 @@ impl Cell {
         session: Option<uuid::Uuid>,
         message: &Message,
     ) -> OutMessage {
-        let mut out = OutMessage { n: 0, session, message: message.clone() };
+        let mut out = OutMessage {
+            n: 0,
+            session,
+            message: message.clone(),
+        };
         self.mobile_mut(mobile_robot, |m| {
             m.sent += 1;
             out.n = m.sent;
-            if matches!(message, Message::MovePermit { granted: false } | Message::StartPause) {
+            if matches!(
+                message,
+                Message::MovePermit { granted: false } | Message::StartPause
+            ) {
                 // What was granted and not fetched yet must not be fetched before it is taken back.
                 m.outbox.retain(|o| !o.message.grants());
             }
@@ -466,7 +572,12 @@ impl Cell {
     }
 
     fn mobile_mut(&mut self, mobile_robot: &str, change: impl FnOnce(&mut Mobile)) {
-        change(Arc::make_mut(self.book.mobiles.entry(mobile_robot.to_owned()).or_default()));
+        change(Arc::make_mut(
+            self.book
+                .mobiles
+                .entry(mobile_robot.to_owned())
+                .or_default(),
+        ));
     }
 
     /// Takes a configuration; loads that are new appear where it says.
@@ -475,7 +586,10 @@ impl Cell {
         let custody = Arc::make_mut(&mut self.book.custody);
         for load in &setup.loads {
             if !custody.0.contains_key(&load.id) {
-                let new = Load { kind: load.kind.clone(), location: load.at.clone() };
+                let new = Load {
+                    kind: load.kind.clone(),
+                    location: load.at.clone(),
+                };
                 drop(custody.0.insert(load.id.clone(), new));
             }
         }

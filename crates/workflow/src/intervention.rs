@@ -71,7 +71,11 @@ impl Answer {
     /// Who may give it.
     #[must_use]
     pub const fn needs(self) -> Role {
-        if matches!(self, Self::AcceptMeasured) { Role::Integrator } else { Role::Operator }
+        if matches!(self, Self::AcceptMeasured) {
+            Role::Integrator
+        } else {
+            Role::Operator
+        }
     }
 
     /// What it would do.
@@ -79,17 +83,23 @@ impl Answer {
     pub const fn consequence(self) -> &'static str {
         match self {
             Self::Retry => "The same is tried again.",
-            Self::Resume => "The job goes on from its last safe phase; the arm plans from where it is.",
+            Self::Resume => {
+                "The job goes on from its last safe phase; the arm plans from where it is."
+            }
             Self::Cancel => "The job is stopped and what can be undone is undone.",
             Self::Abort => "The arm stays where it is; the job is aborted and has to be cleared.",
             Self::ChooseMobileRobot => "The named mobile robot is called instead.",
             Self::Redispatch => "The mobile robot gets a new order to the same point.",
-            Self::AcceptMeasured => "The arm works at the measured dock pose, outside the tolerance.",
+            Self::AcceptMeasured => {
+                "The arm works at the measured dock pose, outside the tolerance."
+            }
             Self::Rescan => "The loads are compared with the next report.",
             Self::Accept => "The job goes on as if the check had passed; the reason is kept.",
             Self::SendBack => "The mobile robot is sent away with its loads; the job stops.",
             Self::Retreat => "The arm drives out to its safe pose; then the question comes again.",
-            Self::Replan => "The operation is planned again from where the arm is, and carried out.",
+            Self::Replan => {
+                "The operation is planned again from where the arm is, and carried out."
+            }
             Self::Happened => "The operation counts as done; nothing is sent.",
             Self::DidNotHappen => "The operation counts as not done and is carried out again.",
             Self::ChooseSlot => "The load is placed at the named place.",
@@ -98,7 +108,9 @@ impl Answer {
             Self::Complete => "The load is placed where it was going; then the job stops.",
             Self::Wait => "The place is looked at again.",
             Self::OperatorMoved => "The zone counts as free; the session is closed.",
-            Self::CancelOrder => "The order is taken back; the point stays occupied until it is clear.",
+            Self::CancelOrder => {
+                "The order is taken back; the point stays occupied until it is clear."
+            }
             Self::SwapMobileRobot => "Custody of the loads moves to the named mobile robot.",
             Self::MarkDelivered => "Custody of the loads moves to the destination.",
             Self::Repick => "The arm takes the loads from the mobile robot and puts them back.",

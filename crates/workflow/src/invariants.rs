@@ -50,22 +50,36 @@ impl Cell {
         if !self.live.recovered {
             for session in self.book.sessions.values() {
                 if self.permit_of(session) != Permit::None {
-                    say("I7", format!("session {} has a permit before recovery", session.id));
+                    say(
+                        "I7",
+                        format!("session {} has a permit before recovery", session.id),
+                    );
                 }
             }
         }
         let mut taken = BTreeSet::new();
         for (load, found) in &self.book.custody.0 {
             if self.setup.is_single(&found.location) && !taken.insert(&found.location) {
-                say("I4", format!("{load} and another load are at {}", found.location));
+                say(
+                    "I4",
+                    format!("{load} and another load are at {}", found.location),
+                );
             }
         }
         let mut arms = BTreeSet::new();
         for (id, op) in &self.book.ops {
             if !arms.insert(&op.arm) {
-                say("I6", format!("{} has two operations, one of them {id}", op.arm));
+                say(
+                    "I6",
+                    format!("{} has two operations, one of them {id}", op.arm),
+                );
             }
-            let known = self.book.jobs.get(&op.job).and_then(|j| j.step(op.step)).and_then(|s| s.op);
+            let known = self
+                .book
+                .jobs
+                .get(&op.job)
+                .and_then(|j| j.step(op.step))
+                .and_then(|s| s.op);
             if known != Some(*id) {
                 say("I5", format!("operation {id} belongs to no step"));
             }
@@ -98,15 +112,21 @@ impl Cell {
                     TimerKey::Heartbeat { mobile_robot } => {
                         job.mobile_robot.as_ref() == Some(mobile_robot)
                     }
-                    TimerKey::Safe { .. }
-                    | TimerKey::ArmSeen { .. }
-                    | TimerKey::Parked { .. } => false,
+                    TimerKey::Safe { .. } | TimerKey::ArmSeen { .. } | TimerKey::Parked { .. } => {
+                        false
+                    }
                 };
                 mine && !wait.fired
             });
             let known = matches!(job.state, JobState::Held | JobState::Aborted);
             if !waits && !known {
-                say("I9", format!("job {} is {:?} and waits without a timer", job.id, job.state));
+                say(
+                    "I9",
+                    format!(
+                        "job {} is {:?} and waits without a timer",
+                        job.id, job.state
+                    ),
+                );
             }
         }
     }

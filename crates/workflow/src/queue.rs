@@ -46,13 +46,23 @@ impl Work<'_> {
 
     /// A1, B1: the claims, the session and the plan, in one decision.
     fn start(&mut self, job: &Job, found: Match) {
-        let Match { arm, mobile_robot, resources } = found;
+        let Match {
+            arm,
+            mobile_robot,
+            resources,
+        } = found;
         let session = self.ids.next_id();
         let (held, shared): (Vec<_>, Vec<_>) = resources
             .into_iter()
             .partition(|r| matches!(r, Resource::Point(_) | Resource::MobileRobot(_)));
-        self.emit(Fact::Claimed { by: Holder::Session(session), resources: held });
-        self.emit(Fact::Claimed { by: Holder::Job(job.id), resources: shared });
+        self.emit(Fact::Claimed {
+            by: Holder::Session(session),
+            resources: held,
+        });
+        self.emit(Fact::Claimed {
+            by: Holder::Job(job.id),
+            resources: shared,
+        });
         self.emit(Fact::JobAssigned {
             job: job.id,
             arm: arm.clone(),
@@ -104,12 +114,16 @@ impl Cell {
             Resource::MobileRobot(mobile_robot.clone()),
         ];
         for item in &job.items {
-            let at = Location::Fixed { place: item.place.clone() };
+            let at = Location::Fixed {
+                place: item.place.clone(),
+            };
             let ready = match job.spec.workflow {
                 Workflow::DeliveryAndPlacement => self.is_free(&at),
-                Workflow::PickupAndDelivery => self.book.custody.at(&at).is_some_and(|l| {
-                    item.load.as_ref().is_none_or(|named| named == l)
-                }),
+                Workflow::PickupAndDelivery => self
+                    .book
+                    .custody
+                    .at(&at)
+                    .is_some_and(|l| item.load.as_ref().is_none_or(|named| named == l)),
             };
             if !ready {
                 return None;
@@ -123,7 +137,11 @@ impl Cell {
         }
         resources.sort();
         resources.dedup();
-        resources.iter().all(free).then(|| Match { arm: arm.clone(), mobile_robot, resources })
+        resources.iter().all(free).then(|| Match {
+            arm: arm.clone(),
+            mobile_robot,
+            resources,
+        })
     }
 
     /// Its gripper is empty, and nothing it had is lost.
@@ -138,7 +156,9 @@ impl Cell {
                 slot: item.slot.clone(),
             };
             self.setup.is_taught(arm, &slot)
-                && self.setup.is_taught(arm, &PlaceRef::fixed(item.place.clone()))
+                && self
+                    .setup
+                    .is_taught(arm, &PlaceRef::fixed(item.place.clone()))
         })
     }
 
@@ -147,7 +167,12 @@ impl Cell {
         self.setup
             .mobile_robots
             .iter()
-            .filter(|m| job.spec.mobile_robot.as_ref().is_none_or(|named| *named == m.id))
+            .filter(|m| {
+                job.spec
+                    .mobile_robot
+                    .as_ref()
+                    .is_none_or(|named| *named == m.id)
+            })
             .filter(|m| besides != Some(m.id.as_str()))
             .find(|m| {
                 job.items.iter().all(|item| {
@@ -164,10 +189,19 @@ impl Cell {
                         },
                     };
                     m.slots.contains(&item.slot) && fits
-                }) && self.book.claims.is_free(&Resource::MobileRobot(m.id.clone()))
+                }) && self
+                    .book
+                    .claims
+                    .is_free(&Resource::MobileRobot(m.id.clone()))
                     && self.book.open_session_of(&m.id).is_none()
-                    && self.book.mobiles.get(&m.id).is_none_or(|b| b.transport.is_none())
-                    && self.mobile_seen(&m.id).is_none_or(|s| s.mode.is_automatic())
+                    && self
+                        .book
+                        .mobiles
+                        .get(&m.id)
+                        .is_none_or(|b| b.transport.is_none())
+                    && self
+                        .mobile_seen(&m.id)
+                        .is_none_or(|s| s.mode.is_automatic())
             })
             .map(|m| m.id.clone())
     }

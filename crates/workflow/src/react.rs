@@ -29,7 +29,15 @@ pub(crate) struct Reaction {
 
 impl Work<'_> {
     pub(crate) fn react(&mut self, job: &Job, reaction: Reaction) {
-        let Reaction { fault, text, permits, stop, pause, state, ask } = reaction;
+        let Reaction {
+            fault,
+            text,
+            permits,
+            stop,
+            pause,
+            state,
+            ask,
+        } = reaction;
         self.note(job.id, fault, text.clone());
         let session = self.cell.session_of(job).cloned();
         if permits && let Some(session) = &session {
@@ -50,7 +58,11 @@ impl Work<'_> {
             self.go(job.id, to, Why::Fault { fault }, text);
         }
         if let Some(ask) = ask {
-            self.ask(Ask { job: Some(job.id), fault, ..ask });
+            self.ask(Ask {
+                job: Some(job.id),
+                fault,
+                ..ask
+            });
         }
     }
 
@@ -77,32 +89,63 @@ impl Work<'_> {
     }
 
     /// A step that may not simply be started again: a human says how to go on.
-    pub(crate) fn step_stuck(&mut self, job: &Job, step: usize, fault: Fault, text: &str, op: Option<Uuid>) {
+    pub(crate) fn step_stuck(
+        &mut self,
+        job: &Job,
+        step: usize,
+        fault: Fault,
+        text: &str,
+        op: Option<Uuid>,
+    ) {
+        if is_over(job) {
+            return;
+        }
         self.step_to(job, step, StepState::Retriable, text);
         let Some(job) = self.job(job.id) else { return };
-        let what = job.step(step).map(|s| format!("{:?}", s.plan.phase)).unwrap_or_default();
+        let what = job
+            .step(step)
+            .map(|s| format!("{:?}", s.plan.phase))
+            .unwrap_or_default();
         let ask = Ask {
             op,
             question: format!("{what} did not succeed: {text}. How should the job go on?"),
             known: self.known_of(&job),
             unknown: vec!["why it happened".into()],
-            answers: vec![Answer::Retreat, Answer::Replan, Answer::Happened, Answer::Abort, Answer::Cancel],
+            answers: vec![
+                Answer::Retreat,
+                Answer::Replan,
+                Answer::Happened,
+                Answer::Abort,
+                Answer::Cancel,
+            ],
             ..Ask::default()
         };
         let state = Some(JobState::Holding);
-        self.react(&job, Reaction { fault, text: text.into(), state, ask: Some(ask), ..Reaction::default() });
+        self.react(
+            &job,
+            Reaction {
+                fault,
+                text: text.into(),
+                state,
+                ask: Some(ask),
+                ..Reaction::default()
+            },
+        );
     }
 
     /// F10: nobody knows where a load is.
     pub(crate) fn part_lost(&mut self, job: &Job, load: &str, text: &str) {
         let arm = job.arm.clone();
-        self.react(job, Reaction {
-            fault: Fault::PartLost,
-            text: text.into(),
-            permits: true,
-            stop: true,
-            ..Reaction::default()
-        });
+        self.react(
+            job,
+            Reaction {
+                fault: Fault::PartLost,
+                text: text.into(),
+                permits: true,
+                stop: true,
+                ..Reaction::default()
+            },
+        );
         self.emit(Fact::CustodyMoved {
             load: load.to_owned(),
             to: crate::Location::Unknown { arm },
@@ -110,9 +153,19 @@ impl Work<'_> {
         });
         if outranks(JobState::Aborting, job.state) {
             self.withdraw(job.id, "the job was aborted");
-            self.go(job.id, JobState::Aborting, Why::Fault { fault: Fault::PartLost }, text);
+            self.go(
+                job.id,
+                JobState::Aborting,
+                Why::Fault {
+                    fault: Fault::PartLost,
+                },
+                text,
+            );
         }
-        let known = self.job(job.id).map(|j| self.known_of(&j)).unwrap_or_default();
+        let known = self
+            .job(job.id)
+            .map(|j| self.known_of(&j))
+            .unwrap_or_default();
         self.ask(Ask {
             job: Some(job.id),
             load: Some(load.to_owned()),
@@ -148,6 +201,19 @@ impl Work<'_> {
         }
         known
     }
+}
+
+/// Nothing of the job goes on; what its last operation does is not asked about any more.
+pub(crate) const fn is_over(job: &Job) -> bool {
+    matches!(
+        job.state,
+        JobState::Aborting
+            | JobState::Aborted
+            | JobState::Clearing
+            | JobState::Stopped
+            | JobState::Complete
+            | JobState::Resetting
+    )
 }
 
 /// A fault never lifts a job out of a state that is stricter than the one it asks for.

@@ -26,7 +26,10 @@ pub enum Finish {
 
 /// What was read from the controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[expect(clippy::struct_excessive_bools, reason = "each is one field of a status line")]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is one field of a status line"
+)]
 pub struct Reading {
     /// It answered a fence with an epoch above the motion's before this was read: nothing older can start any more.
     pub fenced: bool,
@@ -66,7 +69,9 @@ pub enum Verdict {
 /// "not executed" needs the number of the controller, never a pose.
 #[must_use]
 pub fn decide_motion(sent: MotionNumber, reading: Option<&Reading>) -> Verdict {
-    let Some(read) = reading else { return Verdict::InDoubt };
+    let Some(read) = reading else {
+        return Verdict::InDoubt;
+    };
     if !read.fenced {
         return Verdict::InDoubt;
     }
@@ -122,7 +127,10 @@ mod tests {
 
     #[test]
     fn nothing_is_decided_without_a_fence() {
-        let open = Reading { fenced: false, ..reading() };
+        let open = Reading {
+            fenced: false,
+            ..reading()
+        };
         assert_eq!(decide_motion(SENT, Some(&open)), Verdict::InDoubt);
         assert_eq!(decide_motion(SENT, None), Verdict::InDoubt);
     }
@@ -131,7 +139,11 @@ mod tests {
     fn a_motion_that_was_never_accepted_may_be_sent_again() {
         let before = MotionNumber { epoch: 2, seq: 2 };
         for accepted in [None, Some(before)] {
-            let read = Reading { accepted, finished: None, ..reading() };
+            let read = Reading {
+                accepted,
+                finished: None,
+                ..reading()
+            };
             assert_eq!(decide_motion(SENT, Some(&read)), Verdict::NotExecuted);
         }
     }
@@ -139,30 +151,59 @@ mod tests {
     #[test]
     fn a_finished_motion_is_executed_only_at_its_target() {
         assert_eq!(decide_motion(SENT, Some(&reading())), Verdict::Executed);
-        let moved_by_hand = Reading { at_target: false, ..reading() };
+        let moved_by_hand = Reading {
+            at_target: false,
+            ..reading()
+        };
         assert_eq!(decide_motion(SENT, Some(&moved_by_hand)), Verdict::InDoubt);
-        let cut = Reading { finished: Some((SENT, Finish::Cut)), ..reading() };
+        let cut = Reading {
+            finished: Some((SENT, Finish::Cut)),
+            ..reading()
+        };
         assert_eq!(decide_motion(SENT, Some(&cut)), Verdict::Interrupted);
     }
 
     #[test]
     fn an_accepted_motion_is_waited_for_while_the_controller_knows_it() {
-        let begun = Reading { finished: None, moving: true, ..reading() };
+        let begun = Reading {
+            finished: None,
+            moving: true,
+            ..reading()
+        };
         assert_eq!(decide_motion(SENT, Some(&begun)), Verdict::Wait);
-        let held = Reading { finished: None, held: true, ..reading() };
+        let held = Reading {
+            finished: None,
+            held: true,
+            ..reading()
+        };
         assert_eq!(decide_motion(SENT, Some(&held)), Verdict::Wait);
-        let once = Reading { finished: None, settled: false, ..reading() };
+        let once = Reading {
+            finished: None,
+            settled: false,
+            ..reading()
+        };
         assert_eq!(decide_motion(SENT, Some(&once)), Verdict::Wait);
-        let rebooted = Reading { finished: None, same_boot: false, moving: true, ..reading() };
+        let rebooted = Reading {
+            finished: None,
+            same_boot: false,
+            moving: true,
+            ..reading()
+        };
         assert_eq!(decide_motion(SENT, Some(&rebooted)), Verdict::InDoubt);
-        let lost = Reading { finished: None, ..reading() };
+        let lost = Reading {
+            finished: None,
+            ..reading()
+        };
         assert_eq!(decide_motion(SENT, Some(&lost)), Verdict::InDoubt);
     }
 
     #[test]
     fn a_later_motion_of_somebody_else_hides_the_truth() {
         let other = MotionNumber { epoch: 2, seq: 4 };
-        let read = Reading { accepted: Some(other), ..reading() };
+        let read = Reading {
+            accepted: Some(other),
+            ..reading()
+        };
         assert_eq!(decide_motion(SENT, Some(&read)), Verdict::InDoubt);
     }
 }

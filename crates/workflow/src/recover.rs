@@ -37,9 +37,12 @@ impl Work<'_> {
             .ops
             .iter()
             .filter(|(id, op)| {
-                let asked = self.cell.book.interventions.values().any(|i| {
-                    i.is_open() && i.question.op == Some(**id)
-                });
+                let asked = self
+                    .cell
+                    .book
+                    .interventions
+                    .values()
+                    .any(|i| i.is_open() && i.question.op == Some(**id));
                 !asked || op.state != OpState::Doubt
             })
             .map(|(id, _)| *id)

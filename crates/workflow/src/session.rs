@@ -7,26 +7,26 @@ use crate::faults::Fault;
 use crate::setup::BasePose;
 
 /// States of a session. IDLE is: no session.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum SessionState {
     /// The point is claimed.
     Reserved,
     /// The mobile robot asked for access by taking the order.
     AccessPending,
-    /// The zone is free of arms: MR_MOVE_PERMIT.
+    /// The zone is free of arms: `MR_MOVE_PERMIT`.
     AccessGranted,
-    /// It is at the point and docks: MR_MOVE_PERMIT.
+    /// It is at the point and docks: `MR_MOVE_PERMIT`.
     Positioned,
     /// It stands, at the right pose.
     Docked,
     /// It waits, and its loads are right.
     TransferReady,
-    /// The arm works: ARM_ENTRY_PERMIT.
+    /// The arm works: `ARM_ENTRY_PERMIT`.
     Transferring,
     /// The arm is out.
     TransferDone,
-    /// It may go: MR_MOVE_PERMIT.
+    /// It may go: `MR_MOVE_PERMIT`.
     ExitGranted,
     /// It is out.
     Exited,
@@ -84,7 +84,10 @@ impl SessionState {
             Self::TransferReady => matches!(self, Self::Docked),
             Self::Transferring => matches!(self, Self::TransferReady),
             Self::TransferDone => {
-                matches!(self, Self::Transferring | Self::Docked | Self::TransferReady | Self::Faulted)
+                matches!(
+                    self,
+                    Self::Transferring | Self::Docked | Self::TransferReady | Self::Faulted
+                )
             }
             Self::ExitGranted => matches!(self, Self::TransferDone),
             Self::Exited => !matches!(self, Self::Released | Self::Canceled | Self::Exited),
@@ -98,13 +101,19 @@ impl SessionState {
     /// The mobile robot stands at the point and is not supposed to move.
     #[must_use]
     pub const fn is_docked(self) -> bool {
-        matches!(self, Self::Docked | Self::TransferReady | Self::Transferring)
+        matches!(
+            self,
+            Self::Docked | Self::TransferReady | Self::Transferring
+        )
     }
 }
 
 /// A session.
 #[derive(Debug, Clone, PartialEq)]
-#[expect(clippy::struct_excessive_bools, reason = "each is one thing the mobile robot has said")]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is one thing the mobile robot has said"
+)]
 pub(crate) struct Session {
     pub id: Uuid,
     pub number: u64,
@@ -118,7 +127,7 @@ pub(crate) struct Session {
     pub update: u32,
     pub assigned: bool,
     pub arrived: bool,
-    /// The pose it reported with MR_DOCKED.
+    /// The pose it reported with `MR_DOCKED`.
     pub docked: Option<BasePose>,
     pub ready: bool,
     pub cleared: bool,

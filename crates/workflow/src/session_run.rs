@@ -23,16 +23,21 @@ impl Work<'_> {
     }
 
     fn run_session(&mut self, session: &Arc<Session>) {
-        let Some(point) = self.cell.setup.point(&session.point).cloned() else { return };
+        let Some(point) = self.cell.setup.point(&session.point).cloned() else {
+            return;
+        };
         let job = self.job(session.job);
-        let runs = job.as_ref().is_some_and(|j| j.runs() && j.state != JobState::Stopping);
+        let runs = job
+            .as_ref()
+            .is_some_and(|j| j.runs() && j.state != JobState::Stopping);
         let seen = self.cell.mobile_seen(&session.mobile_robot).cloned();
         match session.state {
             SessionState::Reserved if session.assigned && runs => {
                 self.move_session(session, SessionState::AccessPending);
             }
             SessionState::AccessPending
-                if runs && self.cell.arm_clear(&point)
+                if runs
+                    && self.cell.arm_clear(&point)
                     && seen.as_ref().is_some_and(|s| s.mode.is_automatic()) =>
             {
                 self.move_session(session, SessionState::AccessGranted);
@@ -60,7 +65,9 @@ impl Work<'_> {
             SessionState::ExitGranted
                 if !session.left && seen.as_ref().is_some_and(|s| s.driving) =>
             {
-                self.emit(Fact::SessionLeft { session: session.id });
+                self.emit(Fact::SessionLeft {
+                    session: session.id,
+                });
             }
             SessionState::Canceling => {
                 // Away for certain: it said so, or it reports to be elsewhere without this order.
@@ -93,20 +100,28 @@ impl Work<'_> {
 
     /// An aborted job keeps its mobile robot where it is until a human has decided.
     fn may_exit(&self, session: &Session) -> bool {
-        self.cell.book.jobs.get(&session.job).is_none_or(|j| {
-            !matches!(j.state, JobState::Aborting | JobState::Aborted)
-        })
+        self.cell
+            .book
+            .jobs
+            .get(&session.job)
+            .is_none_or(|j| !matches!(j.state, JobState::Aborting | JobState::Aborted))
     }
 
     /// Ends a session, or its presence at the point; what it held is free when it is closed.
     pub(crate) fn close(&mut self, session: &Session, to: SessionState) {
         self.move_session(session, to);
         if to.is_closed() {
-            self.emit(Fact::Released { by: Holder::Session(session.id), resources: None });
+            self.emit(Fact::Released {
+                by: Holder::Session(session.id),
+                resources: None,
+            });
         }
         if let Some(open) = self.cell.book.question_of_session(session.id) {
             let intervention = open.question.id;
-            self.emit(Fact::Withdrawn { intervention, text: "the point is clear".into() });
+            self.emit(Fact::Withdrawn {
+                intervention,
+                text: "the point is clear".into(),
+            });
         }
     }
 
@@ -123,7 +138,9 @@ impl Work<'_> {
 
     /// A faulted session goes on from its last safe state.
     pub(crate) fn continue_session(&mut self, session: &Session) {
-        let Some((from, _)) = session.faulted else { return };
+        let Some((from, _)) = session.faulted else {
+            return;
+        };
         self.move_session(session, from.last_safe());
     }
 
@@ -134,7 +151,10 @@ impl Work<'_> {
             session: Some(session.id),
             job: Some(session.job),
             fault: Fault::DoesNotLeave,
-            question: format!("{} does not leave {}: {text}", session.mobile_robot, session.point),
+            question: format!(
+                "{} does not leave {}: {text}",
+                session.mobile_robot, session.point
+            ),
             known: vec![
                 format!("the session is {:?}", session.state),
                 "the arm has no permit to enter".into(),
@@ -150,11 +170,15 @@ impl Work<'_> {
         let again = session.resends < self.cell.setup.timers.resends;
         match session.state {
             SessionState::ExitGranted if again && !session.left => {
-                self.emit(Fact::SessionResent { session: session.id });
+                self.emit(Fact::SessionResent {
+                    session: session.id,
+                });
                 self.tell(session, Message::ExitGranted);
             }
             SessionState::Canceling if again => {
-                self.emit(Fact::SessionResent { session: session.id });
+                self.emit(Fact::SessionResent {
+                    session: session.id,
+                });
                 if let Some(order) = session.order {
                     self.tell(session, Message::CancelOrder { order });
                 }
@@ -174,7 +198,9 @@ impl Work<'_> {
             | SessionState::Released
             | SessionState::Faulted
             | SessionState::Canceling
-            | SessionState::Canceled => self.does_not_leave(session, "it was told, and is still there"),
+            | SessionState::Canceled => {
+                self.does_not_leave(session, "it was told, and is still there");
+            }
         }
     }
 }

@@ -141,7 +141,9 @@ pub enum PlaceRef {
 impl PlaceRef {
     /// A fixed place.
     pub fn fixed(place: impl Into<String>) -> Self {
-        Self::Fixed { place: place.into() }
+        Self::Fixed {
+            place: place.into(),
+        }
     }
 
     /// Whether an arm has to enter a hand-over zone to reach it.
@@ -213,11 +215,17 @@ impl Setup {
     pub fn check(&self) -> Vec<SetupError> {
         let mut errors = Vec::new();
         let mut say = |item: String, problem: &str| {
-            errors.push(SetupError { item, problem: problem.to_owned() });
+            errors.push(SetupError {
+                item,
+                problem: problem.to_owned(),
+            });
         };
         for (name, ids) in [
             ("arms", self.arms.iter().collect::<Vec<_>>()),
-            ("mobile_robots", self.mobile_robots.iter().map(|m| &m.id).collect()),
+            (
+                "mobile_robots",
+                self.mobile_robots.iter().map(|m| &m.id).collect(),
+            ),
             ("points", self.points.iter().map(|p| &p.id).collect()),
             ("places", self.places.iter().map(|p| &p.id).collect()),
             ("loads", self.loads.iter().map(|l| &l.id).collect()),
@@ -235,12 +243,18 @@ impl Setup {
         for point in &self.points {
             for arm in &point.arms {
                 if !self.arms.contains(arm) {
-                    say(format!("points.{}.arms", point.id), &format!("unknown arm {arm}"));
+                    say(
+                        format!("points.{}.arms", point.id),
+                        &format!("unknown arm {arm}"),
+                    );
                 }
             }
             let limits = [point.tolerance.mm, point.tolerance.deg];
             if limits.iter().any(|l| !l.is_finite() || *l <= 0.0) {
-                say(format!("points.{}.tolerance", point.id), "has to be finite and above 0");
+                say(
+                    format!("points.{}.tolerance", point.id),
+                    "has to be finite and above 0",
+                );
             }
             let dock = [point.dock.x_mm, point.dock.y_mm, point.dock.heading_deg];
             if dock.iter().any(|v| !v.is_finite()) {
@@ -249,7 +263,10 @@ impl Setup {
         }
         for taught in &self.taught {
             if !self.arms.contains(&taught.arm) {
-                say(format!("taught.{}", taught.place), &format!("unknown arm {}", taught.arm));
+                say(
+                    format!("taught.{}", taught.place),
+                    &format!("unknown arm {}", taught.arm),
+                );
             }
             if !self.knows(&taught.place) {
                 say(format!("taught.{}", taught.place), "unknown place");
@@ -259,9 +276,9 @@ impl Setup {
         for load in &self.loads {
             let known = match &load.at {
                 Location::Fixed { place } => self.place(place).is_some(),
-                Location::MobileRobot { mobile_robot, slot } => {
-                    self.mobile_robot(mobile_robot).is_some_and(|m| m.slots.contains(slot))
-                }
+                Location::MobileRobot { mobile_robot, slot } => self
+                    .mobile_robot(mobile_robot)
+                    .is_some_and(|m| m.slots.contains(slot)),
                 Location::Gripper { arm } => self.arms.contains(arm),
                 Location::Delivered { destination } => self.destinations.contains(destination),
                 Location::Unknown { .. } => true,
@@ -302,7 +319,9 @@ impl Setup {
     /// Whether `arm` was taught `place`.
     #[must_use]
     pub fn is_taught(&self, arm: &str, place: &PlaceRef) -> bool {
-        self.taught.iter().any(|t| t.arm == arm && t.place == *place)
+        self.taught
+            .iter()
+            .any(|t| t.arm == arm && t.place == *place)
     }
 
     fn knows(&self, place: &PlaceRef) -> bool {

@@ -165,12 +165,18 @@ pub enum Message {
         route: Vec<BasePose>,
         then_to: Option<String>,
     },
-    MovePermit { granted: bool },
+    MovePermit {
+        granted: bool,
+    },
     CellReady,
     TransferDone,
-    TransferFailed { reason: String },
+    TransferFailed {
+        reason: String,
+    },
     ExitGranted,
-    CancelOrder { order: Uuid },
+    CancelOrder {
+        order: Uuid,
+    },
     StartPause,
     StopPause,
     Retry,
@@ -181,7 +187,10 @@ impl Message {
     /// A message that lets something move. If it was not fetched yet, it dies with the permit.
     #[must_use]
     pub const fn grants(&self) -> bool {
-        matches!(self, Self::MovePermit { granted: true } | Self::CellReady | Self::ExitGranted)
+        matches!(
+            self,
+            Self::MovePermit { granted: true } | Self::CellReady | Self::ExitGranted
+        )
     }
 }
 

@@ -15,10 +15,18 @@ impl Work<'_> {
     pub(crate) fn signal(&mut self, signal: Signal) -> Result<Reply, Refusal> {
         let id = signal.mobile_robot.clone();
         if self.cell.setup.mobile_robot(&id).is_none() {
-            return Err(Refusal::Unknown { what: "mobile robot", id });
+            return Err(Refusal::Unknown {
+                what: "mobile robot",
+                id,
+            });
         }
         let pose = signal.state.pose;
-        let values = [pose.x_mm, pose.y_mm, pose.heading_deg, signal.state.battery_percent];
+        let values = [
+            pose.x_mm,
+            pose.y_mm,
+            pose.heading_deg,
+            signal.state.battery_percent,
+        ];
         if values.iter().any(|v| !v.is_finite()) {
             return Err(Refusal::Invalid {
                 item: "data.pose".into(),
@@ -33,14 +41,18 @@ impl Work<'_> {
         }
         let known = self.cell.book.mobiles.get(&id).cloned().unwrap_or_default();
         let got = || format!("boot {} seq {}", signal.boot, signal.seq);
-        if signal.boot < known.boot {
+        // Heartbeats are not kept, so after a restart of this process the next number is not known.
+        let live = self.cell.live.mobiles.get(&id).filter(|m| m.synced);
+        let synced = live.is_some();
+        let (boot, seq) = live.map_or((known.boot, known.seq), |m| (m.boot, m.seq));
+        if signal.boot < boot {
             return Ok(Reply::Signal(SignalAnswer::Conflict {
-                expected: format!("boot {}", known.boot),
+                expected: format!("boot {boot}"),
                 got: got(),
                 duplicate: false,
             }));
         }
-        let last = if signal.boot == known.boot { known.seq } else { 0 };
+        let last = if signal.boot == boot { seq } else { 0 };
         if signal.seq <= last {
             let stored = known.answers.iter().find(|(seq, _)| *seq == signal.seq);
             let answer = stored.map_or(SignalAnswer::Accepted { duplicate: true }, |(_, a)| {
@@ -48,14 +60,15 @@ impl Work<'_> {
             });
             return Ok(Reply::Signal(answer));
         }
-        // Heartbeats are not kept, so after a restart of this process the next number is not known.
-        let synced = self.cell.live.mobiles.get(&id).is_some_and(|m| m.synced);
-        let follows = signal.seq == last + 1 || (!synced && signal.boot == known.boot);
+        let follows = signal.seq == last + 1 || (!synced && signal.boot == boot);
         if !follows {
             if signal.seq == last + 2 {
                 if known.parked.as_ref() != Some(&signal) {
                     let answer = SignalAnswer::Parked;
-                    self.emit(Fact::Signaled { signal: Box::new(signal), answer });
+                    self.emit(Fact::Signaled {
+                        signal: Box::new(signal),
+                        answer,
+                    });
                 }
                 return Ok(Reply::Signal(SignalAnswer::Parked));
             }
@@ -65,9 +78,10 @@ impl Work<'_> {
                 duplicate: false,
             }));
         }
-        let parked = known.parked.clone().filter(|p| {
-            p.boot == signal.boot && p.seq == signal.seq + 1
-        });
+        let parked = known
+            .parked
+            .clone()
+            .filter(|p| p.boot == signal.boot && p.seq == signal.seq + 1);
         let answer = self.act_on(signal);
         if let Some(parked) = parked {
             self.settle();
@@ -81,20 +95,32 @@ impl Work<'_> {
         let answer = self.judge(&signal);
         let nothing_but_alive = signal.kind == SignalKind::MrHeartbeat
             && answer == SignalAnswer::Accepted { duplicate: false }
-            && self.cell.book.mobiles.get(&signal.mobile_robot).is_some_and(|m| {
-                m.boot == signal.boot && m.parked.is_none()
-            });
+            && self
+                .cell
+                .book
+                .mobiles
+                .get(&signal.mobile_robot)
+                .is_some_and(|m| m.boot == signal.boot && m.parked.is_none());
         if nothing_but_alive {
-            self.emit(Fact::Beat { signal: Box::new(signal) });
+            self.emit(Fact::Beat {
+                signal: Box::new(signal),
+            });
             return answer;
         }
         if !matches!(answer, SignalAnswer::Accepted { .. })
             && let Some(session) = self.cell.book.open_session_of(&signal.mobile_robot)
         {
             let (job, kind) = (session.job, signal.kind);
-            self.note(job, Fault::StaleSignal, format!("{kind:?} was not acted on"));
+            self.note(
+                job,
+                Fault::StaleSignal,
+                format!("{kind:?} was not acted on"),
+            );
         }
-        self.emit(Fact::Signaled { signal: Box::new(signal.clone()), answer: answer.clone() });
+        self.emit(Fact::Signaled {
+            signal: Box::new(signal.clone()),
+            answer: answer.clone(),
+        });
         if matches!(answer, SignalAnswer::Accepted { .. }) {
             self.consequences(&signal);
         }
@@ -108,10 +134,18 @@ impl Work<'_> {
         if let Some(named) = signal.session {
             match self.cell.book.sessions.get(&named) {
                 Some(s) if s.state.is_closed() && signal.kind != SignalKind::MrDelivered => {
-                    return SignalAnswer::Closed { session: named, duplicate: false };
+                    return SignalAnswer::Closed {
+                        session: named,
+                        duplicate: false,
+                    };
                 }
                 Some(_) => {}
-                None => return SignalAnswer::Closed { session: named, duplicate: false },
+                None => {
+                    return SignalAnswer::Closed {
+                        session: named,
+                        duplicate: false,
+                    };
+                }
             }
             // A step of an earlier session must not be advanced by a late signal (M2).
             if open.is_some_and(|s| s.id != named) && signal.kind != SignalKind::MrDelivered {
@@ -135,11 +169,17 @@ impl Work<'_> {
     }
 
     fn consequences(&mut self, signal: &Signal) {
-        let session = self.cell.book.open_session_of(&signal.mobile_robot).cloned();
+        let session = self
+            .cell
+            .book
+            .open_session_of(&signal.mobile_robot)
+            .cloned();
         match signal.kind {
             SignalKind::MrRejected => {
                 if let Some(job) = session.and_then(|s| self.job(s.job))
-                    && job.find(Phase::Call).is_some_and(|s| !job.step(s).is_some_and(|s| s.state.is_done()))
+                    && job
+                        .find(Phase::Call)
+                        .is_some_and(|s| !job.step(s).is_some_and(|s| s.state.is_done()))
                 {
                     self.not_acknowledged(&job, "it refused its order");
                 }
@@ -166,7 +206,12 @@ impl Work<'_> {
 
     /// B15: custody goes to the destination.
     pub(crate) fn delivered(&mut self, mobile_robot: &str) {
-        let transport = self.cell.book.mobiles.get(mobile_robot).and_then(|m| m.transport.clone());
+        let transport = self
+            .cell
+            .book
+            .mobiles
+            .get(mobile_robot)
+            .and_then(|m| m.transport.clone());
         let Some(transport) = transport else { return };
         let on_it: Vec<_> = self
             .cell
@@ -178,21 +223,38 @@ impl Work<'_> {
                 matches!(&l.location, Location::MobileRobot { mobile_robot: m, .. } if m == mobile_robot)
             })
             .map(|(id, _)| id.clone())
+            .filter(|id| {
+                // Only what this transport took along; loads of others stay where they are.
+                self.cell.book.jobs.get(&transport.job).is_some_and(|j| {
+                    j.items.iter().any(|i| i.load.as_ref() == Some(id))
+                })
+            })
             .collect();
         for load in on_it {
             self.emit(Fact::CustodyMoved {
                 load,
-                to: Location::Delivered { destination: transport.destination.clone() },
-                by: Evidence::MobileRobot { mobile_robot: mobile_robot.to_owned() },
+                to: Location::Delivered {
+                    destination: transport.destination.clone(),
+                },
+                by: Evidence::MobileRobot {
+                    mobile_robot: mobile_robot.to_owned(),
+                },
             });
         }
-        self.emit(Fact::TransportEnded { mobile_robot: mobile_robot.to_owned() });
+        self.emit(Fact::TransportEnded {
+            mobile_robot: mobile_robot.to_owned(),
+        });
         if let Some(job) = self.job(transport.job)
             && job.state == crate::JobState::Suspended
         {
             self.withdraw(job.id, "the loads were delivered");
             if job.why != crate::Why::Awaiting {
-                self.go(job.id, crate::JobState::Unsuspending, crate::Why::Awaiting, "delivered");
+                self.go(
+                    job.id,
+                    crate::JobState::Unsuspending,
+                    crate::Why::Awaiting,
+                    "delivered",
+                );
             }
         }
     }
@@ -202,11 +264,18 @@ impl Work<'_> {
         if !signal.state.errors.iter().any(|e| e.fatal) {
             return;
         }
-        let transport = self.cell.book.mobiles.get(&signal.mobile_robot).and_then(|m| m.transport.clone());
+        let transport = self
+            .cell
+            .book
+            .mobiles
+            .get(&signal.mobile_robot)
+            .and_then(|m| m.transport.clone());
         let job = transport.and_then(|t| self.job(t.job));
         if let Some(job) = job
             && let Some(step) = job.find(Phase::Transport)
-            && job.step(step).is_some_and(|s| s.state == crate::StepState::Running)
+            && job
+                .step(step)
+                .is_some_and(|s| s.state == crate::StepState::Running)
         {
             self.transport_failed(&job, step);
         }
@@ -214,12 +283,23 @@ impl Work<'_> {
 
     /// A configured signal at a configured point starts a job.
     fn trigger(&mut self, signal: &Signal) {
-        if self.cell.book.open_session_of(&signal.mobile_robot).is_some() {
+        if self
+            .cell
+            .book
+            .open_session_of(&signal.mobile_robot)
+            .is_some()
+        {
             return;
         }
-        let Some(at) = &signal.state.at_point else { return };
+        let Some(at) = &signal.state.at_point else {
+            return;
+        };
         let setup = self.cell.setup.clone();
-        for trigger in setup.triggers.iter().filter(|t| t.signal == signal.kind && t.point == *at) {
+        for trigger in setup
+            .triggers
+            .iter()
+            .filter(|t| t.signal == signal.kind && t.point == *at)
+        {
             let waiting = self.cell.book.jobs.values().any(|j| {
                 !j.state.is_final()
                     && j.trigger.as_deref() == Some(&trigger.id)
@@ -245,11 +325,15 @@ fn expected(session: &Session, order: Option<Uuid>, kind: SignalKind) -> Option<
     let faulted = state == SessionState::Faulted;
     let other_order = order.is_some() && session.order.is_some() && order != session.order;
     let legal = match kind {
-        SignalKind::MrAssigned => state == SessionState::Reserved && session.order.is_some() && !other_order,
+        SignalKind::MrAssigned => {
+            state == SessionState::Reserved && session.order.is_some() && !other_order
+        }
         SignalKind::MrArrived => {
             faulted
-                || matches!(state, SessionState::AccessGranted | SessionState::AccessPending)
-                    && !other_order
+                || matches!(
+                    state,
+                    SessionState::AccessGranted | SessionState::AccessPending
+                ) && !other_order
         }
         SignalKind::MrDocked | SignalKind::MrDockFailed => {
             faulted || state == SessionState::Positioned

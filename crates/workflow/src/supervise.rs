@@ -36,7 +36,9 @@ impl Work<'_> {
 
     fn supervise_job(&mut self, job: &Arc<Job>) {
         let Some(arm) = job.arm.clone() else { return };
-        let Some(live) = self.cell.live.arms.get(&arm).cloned() else { return };
+        let Some(live) = self.cell.live.arms.get(&arm).cloned() else {
+            return;
+        };
         let over = matches!(
             job.state,
             JobState::Aborting | JobState::Aborted | JobState::Clearing | JobState::Resetting
@@ -47,14 +49,17 @@ impl Work<'_> {
         let held = matches!(job.state, JobState::Held | JobState::Holding);
         let by = |fault: Fault| job.why == Why::Fault { fault };
         if live.seen.link && live.seen.safety == Safety::EmergencyStop {
-            self.react(job, Reaction {
-                fault: Fault::EmergencyStop,
-                text: format!("emergency stop of {arm}"),
-                permits: true,
-                stop: true,
-                state: Some(JobState::Aborting),
-                ..Reaction::default()
-            });
+            self.react(
+                job,
+                Reaction {
+                    fault: Fault::EmergencyStop,
+                    text: format!("emergency stop of {arm}"),
+                    permits: true,
+                    stop: true,
+                    state: Some(JobState::Aborting),
+                    ..Reaction::default()
+                },
+            );
             return;
         }
         if live.seen.link
@@ -62,24 +67,32 @@ impl Work<'_> {
             && !(held && by(Fault::ProtectiveStop))
             && job.state != JobState::Stopping
         {
-            self.react(job, Reaction {
-                fault: Fault::ProtectiveStop,
-                text: format!("{arm} is in {:?}", live.seen.safety),
-                permits: true,
-                ..Reaction::default()
-            });
+            self.react(
+                job,
+                Reaction {
+                    fault: Fault::ProtectiveStop,
+                    text: format!("{arm} is in {:?}", live.seen.safety),
+                    permits: true,
+                    ..Reaction::default()
+                },
+            );
             self.go(
                 job.id,
                 JobState::Holding,
-                Why::Fault { fault: Fault::ProtectiveStop },
+                Why::Fault {
+                    fault: Fault::ProtectiveStop,
+                },
                 "a human has to reset the arm and unhold the job",
             );
             return;
         }
         // Part sensor and custody have to agree while nothing is gripped or released.
-        let gripping = self.cell.book.ops.values().any(|op| {
-            op.arm == arm && matches!(op.action, Action::Grip { .. })
-        });
+        let gripping = self
+            .cell
+            .book
+            .ops
+            .values()
+            .any(|op| op.arm == arm && matches!(op.action, Action::Grip { .. }));
         if live.seen.link
             && !gripping
             && live.seen.part_present == Some(false)
@@ -91,61 +104,97 @@ impl Work<'_> {
         let suspended = matches!(job.state, JobState::Suspending | JobState::Suspended);
         let faulted = suspended && job.why != Why::Awaiting && job.why != Why::Course;
         if !live.seen.link && !held && !faulted && job.state != JobState::Stopping {
-            self.react(job, Reaction {
-                fault: Fault::NoAnswer,
-                text: format!("the link to {arm} is lost"),
-                permits: true,
-                state: Some(JobState::Suspending),
-                ..Reaction::default()
-            });
+            self.react(
+                job,
+                Reaction {
+                    fault: Fault::NoAnswer,
+                    text: format!("the link to {arm} is lost"),
+                    permits: true,
+                    state: Some(JobState::Suspending),
+                    ..Reaction::default()
+                },
+            );
             return;
         }
-        if !self.cell.live.jobs_may_act && !held && job.state != JobState::Stopping && !job_waits(job) {
-            let moving = self.cell.ops_of(job.id).any(|(_, state)| state == OpState::Running);
-            self.react(job, Reaction {
-                fault: Fault::ControlLost,
-                text: "jobs do not have control".into(),
-                stop: moving,
-                state: Some(JobState::Holding),
-                ..Reaction::default()
-            });
+        if !self.cell.live.jobs_may_act
+            && !held
+            && job.state != JobState::Stopping
+            && !job_waits(job)
+        {
+            let moving = self
+                .cell
+                .ops_of(job.id)
+                .any(|(_, state)| state == OpState::Running);
+            self.react(
+                job,
+                Reaction {
+                    fault: Fault::ControlLost,
+                    text: "jobs do not have control".into(),
+                    stop: moving,
+                    state: Some(JobState::Holding),
+                    ..Reaction::default()
+                },
+            );
         }
     }
 
     fn supervise_session(&mut self, session: &Arc<Session>) {
-        let Some(point) = self.cell.setup.point(&session.point).cloned() else { return };
-        let Some(job) = self.job(session.job) else { return };
+        let Some(point) = self.cell.setup.point(&session.point).cloned() else {
+            return;
+        };
+        let Some(job) = self.job(session.job) else {
+            return;
+        };
         let permit = self.cell.permit_of(session);
-        let arm_inside = point.arms.iter().any(|arm| self.cell.arm_in_zone(arm, &point.zone));
-        let unheard = point.arms.iter().any(|a| {
-            self.cell.live.arms.get(a).is_some_and(|l| !l.seen.link)
-        });
+        let arm_inside = point
+            .arms
+            .iter()
+            .any(|arm| self.cell.arm_in_zone(arm, &point.zone));
+        let unheard = point
+            .arms
+            .iter()
+            .any(|a| self.cell.live.arms.get(a).is_some_and(|l| !l.seen.link));
         if permit == Permit::MrMove && arm_inside {
-            self.interlock(&job, "an arm is in the zone while the mobile robot may move");
+            self.interlock(
+                &job,
+                "an arm is in the zone while the mobile robot may move",
+            );
             return;
         }
         if permit != Permit::None && unheard {
             self.fault_session(session, Fault::NoAnswer);
-            self.react(&job, Reaction {
-                fault: Fault::NoAnswer,
-                text: format!("an arm of {} is not heard", session.point),
-                state: Some(JobState::Suspending),
-                ..Reaction::default()
-            });
+            self.react(
+                &job,
+                Reaction {
+                    fault: Fault::NoAnswer,
+                    text: format!("an arm of {} is not heard", session.point),
+                    state: Some(JobState::Suspending),
+                    ..Reaction::default()
+                },
+            );
             return;
         }
-        let Some(live) = self.cell.live.mobiles.get(&session.mobile_robot).cloned() else { return };
-        let Some(seen) = live.state.clone() else { return };
-        let jumped = session.docked.is_some_and(|d| !seen.pose.within(&d, point.tolerance));
+        let Some(live) = self.cell.live.mobiles.get(&session.mobile_robot).cloned() else {
+            return;
+        };
+        let Some(seen) = live.state.clone() else {
+            return;
+        };
+        let jumped = session
+            .docked
+            .is_some_and(|d| !seen.pose.within(&d, point.tolerance));
         let dropped = session.echoes && seen.order.is_none();
         if session.state.is_docked() {
             let danger = permit == Permit::ArmEntry && self.cell.arm_may_be_in(&point);
             if danger && (seen.driving || jumped) {
-                self.interlock(&job, if seen.driving {
-                    "the mobile robot drives while the arm is in the zone"
-                } else {
-                    "the pose of the mobile robot jumped while the arm is in the zone"
-                });
+                self.interlock(
+                    &job,
+                    if seen.driving {
+                        "the mobile robot drives while the arm is in the zone"
+                    } else {
+                        "the pose of the mobile robot jumped while the arm is in the zone"
+                    },
+                );
                 return;
             }
             if live.lost {
@@ -160,11 +209,17 @@ impl Work<'_> {
         let served = session.state.is_docked()
             || matches!(
                 session.state,
-                SessionState::AccessPending | SessionState::AccessGranted | SessionState::Positioned
+                SessionState::AccessPending
+                    | SessionState::AccessGranted
+                    | SessionState::Positioned
             );
         if served {
             if !seen.mode.is_automatic() {
-                self.mobile_fault(&job, Fault::ModeChanged, &format!("its mode is {:?}", seen.mode));
+                self.mobile_fault(
+                    &job,
+                    Fault::ModeChanged,
+                    &format!("its mode is {:?}", seen.mode),
+                );
             } else if seen.errors.iter().any(|e| e.fatal) {
                 self.mobile_fault(&job, Fault::ModeChanged, "it reports a fatal error");
             } else if dropped {
@@ -175,31 +230,41 @@ impl Work<'_> {
 
     /// F11: the worst case. Nothing goes on without a human.
     fn interlock(&mut self, job: &Job, text: &str) {
-        self.react(job, Reaction {
-            fault: Fault::Interlock,
-            text: format!("interlock-violation: {text}"),
-            permits: true,
-            stop: true,
-            pause: true,
-            state: Some(JobState::Aborting),
-            ..Reaction::default()
-        });
+        self.react(
+            job,
+            Reaction {
+                fault: Fault::Interlock,
+                text: format!("interlock-violation: {text}"),
+                permits: true,
+                stop: true,
+                pause: true,
+                state: Some(JobState::Aborting),
+                ..Reaction::default()
+            },
+        );
     }
 
     /// F12, F13: the arm leaves the zone, then the job waits.
     fn mobile_fault(&mut self, job: &Job, fault: Fault, text: &str) {
         let mobile_robot = job.mobile_robot.clone().unwrap_or_default();
         let text = format!("{mobile_robot}: {text}");
-        let running = self.cell.book.ops.values().find(|op| {
-            op.job == job.id && op.state == OpState::Running
-        });
+        let running = self
+            .cell
+            .book
+            .ops
+            .values()
+            .find(|op| op.job == job.id && op.state == OpState::Running);
         let in_zone = job.near.as_ref().is_some_and(crate::PlaceRef::in_zone);
         let moving = running.is_some_and(|op| matches!(op.action, Action::Move { .. }));
         let leaving = running.is_some_and(|op| crate::cell::Cell::is_leaving(&op.action));
         if let (true, true, Some(arm)) = (in_zone, leaving, job.arm.clone()) {
             self.emit(Fact::SafeDue { arm });
         }
-        let again = if fault == Fault::HeartbeatLost { Answer::Resume } else { Answer::Redispatch };
+        let again = if fault == Fault::HeartbeatLost {
+            Answer::Resume
+        } else {
+            Answer::Redispatch
+        };
         let ask = Ask {
             question: format!("{text}. How should the job go on?"),
             known: self.known_of(job),
@@ -207,15 +272,18 @@ impl Work<'_> {
             answers: vec![again, Answer::Cancel],
             ..Ask::default()
         };
-        self.react(job, Reaction {
-            fault,
-            text,
-            permits: true,
-            stop: moving && in_zone && !leaving,
-            state: Some(JobState::Suspending),
-            ask: Some(ask),
-            ..Reaction::default()
-        });
+        self.react(
+            job,
+            Reaction {
+                fault,
+                text,
+                permits: true,
+                stop: moving && in_zone && !leaving,
+                state: Some(JobState::Suspending),
+                ask: Some(ask),
+                ..Reaction::default()
+            },
+        );
     }
 
     /// Whatever is in doubt is looked up as soon as its arm answers again.
@@ -228,9 +296,12 @@ impl Work<'_> {
             .filter(|(id, op)| {
                 op.state == OpState::Doubt
                     && self.cell.arm_seen(&op.arm).is_some()
-                    && !self.cell.book.interventions.values().any(|i| {
-                        i.is_open() && i.question.op == Some(**id)
-                    })
+                    && !self
+                        .cell
+                        .book
+                        .interventions
+                        .values()
+                        .any(|i| i.is_open() && i.question.op == Some(**id))
             })
             .map(|(id, _)| *id)
             .collect();

@@ -8,7 +8,10 @@ use crate::ids::Millis;
 /// The durations of all waits, in milliseconds, and how often something is tried again.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-#[expect(missing_docs, reason = "the names are the table's; each comment says which row")]
+#[expect(
+    missing_docs,
+    reason = "the names are the table's; each comment says which row"
+)]
 pub struct Timers {
     // T_res: how often a queued job is looked at although nothing changed.
     pub reserve_ms: Millis,
@@ -106,11 +109,11 @@ pub enum TimerKey {
     Step { job: Uuid, step: usize },
     /// A job in an acting state, or suspended by a fault.
     State { job: Uuid },
-    /// A prefetched load in the gripper (T_hold).
+    /// A prefetched load in the gripper (`T_hold`).
     Prefetch { job: Uuid },
     /// An operation of an arm.
     Operation { op: Uuid },
-    /// An arm has to be out of the zone or still (T_safe).
+    /// An arm has to be out of the zone or still (`T_safe`).
     Safe { arm: String },
     /// A session on its way out.
     Session { session: Uuid },

@@ -32,11 +32,16 @@ impl Work<'_> {
         for (_, timer) in due {
             // An earlier reaction may have ended this wait.
             self.cell.schedule(self.now);
-            let still = self.cell.live.timers.get(&timer).is_some_and(|w| {
-                !w.fired && w.running.at <= self.now
-            });
+            let still = self
+                .cell
+                .live
+                .timers
+                .get(&timer)
+                .is_some_and(|w| !w.fired && w.running.at <= self.now);
             if still {
-                self.emit(Fact::TimerExpired { timer: timer.clone() });
+                self.emit(Fact::TimerExpired {
+                    timer: timer.clone(),
+                });
                 self.expired(timer);
                 self.settle();
             }
@@ -66,7 +71,9 @@ impl Work<'_> {
                 }
             }
             TimerKey::Operation { op } => self.operation_late(op),
-            TimerKey::Safe { arm } => self.stop_arm(&arm, "it was not out of the zone within T_safe"),
+            TimerKey::Safe { arm } => {
+                self.stop_arm(&arm, "it was not out of the zone within T_safe");
+            }
             TimerKey::Session { session } => {
                 if let Some(session) = self.session(session) {
                     self.session_late(&session);
@@ -81,18 +88,28 @@ impl Work<'_> {
     }
 
     fn operation_late(&mut self, id: uuid::Uuid) {
-        let Some(op) = self.cell.book.ops.get(&id).cloned() else { return };
+        let Some(op) = self.cell.book.ops.get(&id).cloned() else {
+            return;
+        };
         let Some(job) = self.job(op.job) else { return };
         let text = format!("{} took too long", describe(&op.action));
         match (&op.action, op.state) {
             (Action::Precheck { .. }, _) => {
-                self.emit(Fact::OpEnded { op: id, result: OpResult::NotExecuted { text: text.clone() } });
+                self.emit(Fact::OpEnded {
+                    op: id,
+                    result: OpResult::NotExecuted { text: text.clone() },
+                });
                 let tries = job.step(op.step).map_or(0, |s| s.resends);
                 if tries < self.cell.setup.timers.resends {
-                    self.emit(Fact::StepResent { job: job.id, step: op.step });
+                    self.emit(Fact::StepResent {
+                        job: job.id,
+                        step: op.step,
+                    });
                 } else {
                     self.note(job.id, Fault::Unreachable, text.clone());
-                    let why = Why::Fault { fault: Fault::Unreachable };
+                    let why = Why::Fault {
+                        fault: Fault::Unreachable,
+                    };
                     self.go(job.id, JobState::Stopping, why, text);
                 }
             }
@@ -100,14 +117,25 @@ impl Work<'_> {
                 self.stop_arm(&op.arm, &text);
                 self.op_in_doubt(&job, id, &op, &text);
             }
-            (Action::Move { .. } | Action::Grip { .. }, _) => self.op_in_doubt(&job, id, &op, &text),
+            (Action::Move { .. } | Action::Grip { .. }, _) => {
+                self.op_in_doubt(&job, id, &op, &text);
+            }
         }
     }
 
     /// The faults F1 to F5, F12, F19, F20 of the waits.
     fn step_late(&mut self, job: &Job, step: usize) {
-        let Some(found) = job.step(step).cloned() else { return };
+        let Some(found) = job.step(step).cloned() else {
+            return;
+        };
         let phase = found.plan.phase;
+        let asked = self.cell.book.question_of(job.id).is_some()
+            || job
+                .session
+                .is_some_and(|s| self.cell.book.question_of_session(s).is_some());
+        if asked {
+            return;
+        }
         let again = |work: &mut Self| work.emit(Fact::StepResent { job: job.id, step });
         let timers = self.cell.setup.timers.clone();
         match phase {
@@ -131,22 +159,40 @@ impl Work<'_> {
                 if found.resends < timers.rescans {
                     again(self);
                 } else {
-                    let text = match phase {
-                        Phase::VerifyEmpty => "a slot of the mobile robot is not reported free",
-                        Phase::VerifyOnMr => "the loads are not reported on the mobile robot",
-                        _ => "the loads do not match the job",
+                    let text = if phase == Phase::VerifyEmpty {
+                        "a slot of the mobile robot is not reported free"
+                    } else if phase == Phase::VerifyOnMr {
+                        "the loads are not reported on the mobile robot"
+                    } else {
+                        "the loads do not match the job"
                     };
                     self.load_question(job, phase.row().late, text);
                 }
             }
-            Phase::Permit => self.wait_failed(job, Fault::HeartbeatLost, "it is not ready for the transfer"),
+            Phase::Permit => self.wait_failed(
+                job,
+                Fault::HeartbeatLost,
+                "it is not ready for the transfer",
+            ),
             Phase::Transport => self.transport_failed(job, step),
             Phase::Exit | Phase::Dismiss => {
                 if let Some(session) = self.cell.session_of(job).cloned() {
                     self.does_not_leave(&session, "it took too long");
                 }
             }
-            _ => self.wait_failed(job, phase.row().late, "the arm could not begin in time"),
+            Phase::Reserve
+            | Phase::Precheck
+            | Phase::Approach
+            | Phase::Grip
+            | Phase::LiftClear
+            | Phase::ReleaseMr
+            | Phase::PlaceApproach
+            | Phase::Release
+            | Phase::Retreat
+            | Phase::Close
+            | Phase::BackOut => {
+                self.wait_failed(job, phase.row().late, "the arm could not begin in time");
+            }
         }
     }
 
@@ -159,15 +205,31 @@ impl Work<'_> {
             ..Ask::default()
         };
         let state = Some(JobState::Suspending);
-        self.react(job, Reaction { fault, text: text.into(), permits: true, state, ask: Some(ask), ..Reaction::default() });
+        self.react(
+            job,
+            Reaction {
+                fault,
+                text: text.into(),
+                permits: true,
+                state,
+                ask: Some(ask),
+                ..Reaction::default()
+            },
+        );
     }
 
     /// F1: another mobile robot if any will do, otherwise a human.
     pub(crate) fn not_acknowledged(&mut self, job: &Job, text: &str) {
-        let Some(session) = self.cell.session_of(job).cloned() else { return };
+        let Some(session) = self.cell.session_of(job).cloned() else {
+            return;
+        };
         let old = session.mobile_robot.clone();
         if let Some(other) = self.cell.choose_mobile_robot(job, Some(&old)) {
-            self.note(job.id, Fault::NotAcknowledged, format!("{old}: {text}; {other} is called"));
+            self.note(
+                job.id,
+                Fault::NotAcknowledged,
+                format!("{old}: {text}; {other} is called"),
+            );
             self.hand_on(job, &other);
             return;
         }
@@ -178,44 +240,68 @@ impl Work<'_> {
             answers: vec![Answer::Retry, Answer::ChooseMobileRobot, Answer::Cancel],
             ..Ask::default()
         };
-        self.react(job, Reaction {
-            fault: Fault::NotAcknowledged,
-            text: format!("{old}: {text}"),
-            state: Some(JobState::Suspending),
-            ask: Some(ask),
-            ..Reaction::default()
-        });
+        self.react(
+            job,
+            Reaction {
+                fault: Fault::NotAcknowledged,
+                text: format!("{old}: {text}"),
+                state: Some(JobState::Suspending),
+                ask: Some(ask),
+                ..Reaction::default()
+            },
+        );
     }
 
     /// The session goes on with another mobile robot; the first one's order is taken back.
     pub(crate) fn hand_on(&mut self, job: &Job, other: &str) {
-        let Some(session) = self.cell.session_of(job).cloned() else { return };
+        let Some(session) = self.cell.session_of(job).cloned() else {
+            return;
+        };
         if let Some(order) = session.order {
             self.tell(&session, Message::CancelOrder { order });
         }
         let by = Holder::Session(session.id);
         let old = vec![Resource::MobileRobot(session.mobile_robot.clone())];
-        self.emit(Fact::Released { by, resources: Some(old) });
-        self.emit(Fact::Claimed { by, resources: vec![Resource::MobileRobot(other.to_owned())] });
+        self.emit(Fact::Released {
+            by,
+            resources: Some(old),
+        });
+        self.emit(Fact::Claimed {
+            by,
+            resources: vec![Resource::MobileRobot(other.to_owned())],
+        });
         self.redispatch_steps(job);
-        self.emit(Fact::SessionHandedOn { session: session.id, mobile_robot: other.to_owned() });
+        self.emit(Fact::SessionHandedOn {
+            session: session.id,
+            mobile_robot: other.to_owned(),
+        });
     }
 
     pub(crate) fn redispatch_steps(&mut self, job: &Job) {
         for phase in [Phase::Call, Phase::Await] {
             if let Some(step) = job.find(phase)
-                && job.step(step).is_some_and(|s| s.state != StepState::Pending)
+                && job
+                    .step(step)
+                    .is_some_and(|s| s.state != StepState::Pending)
             {
                 let to = StepState::Pending;
                 let text = "another mobile robot".to_owned();
-                self.emit(Fact::StepMoved { job: job.id, step, to, attempt: 0, text });
+                self.emit(Fact::StepMoved {
+                    job: job.id,
+                    step,
+                    to,
+                    attempt: 0,
+                    text,
+                });
             }
         }
     }
 
     /// F2: once more if it is on its way, then a new order, then a human.
     fn arrival_late(&mut self, job: &Job, step: usize) {
-        let Some(session) = self.cell.session_of(job).cloned() else { return };
+        let Some(session) = self.cell.session_of(job).cloned() else {
+            return;
+        };
         let seen = self.cell.mobile_seen(&session.mobile_robot).cloned();
         let extended = job.step(step).is_some_and(|s| s.resends > 0);
         if !extended && seen.is_some_and(|s| s.driving) {
@@ -233,22 +319,32 @@ impl Work<'_> {
                 answers: vec![Answer::Redispatch, Answer::Cancel],
                 ..Ask::default()
             };
-            self.react(job, Reaction {
-                fault: Fault::ArrivalLate,
-                text: format!("{mobile_robot} does not arrive"),
-                permits: true,
-                state: Some(JobState::Suspending),
-                ask: Some(ask),
-                ..Reaction::default()
-            });
+            self.react(
+                job,
+                Reaction {
+                    fault: Fault::ArrivalLate,
+                    text: format!("{mobile_robot} does not arrive"),
+                    permits: true,
+                    state: Some(JobState::Suspending),
+                    ask: Some(ask),
+                    ..Reaction::default()
+                },
+            );
         }
     }
 
     /// F20: never "unload remotely".
     pub(crate) fn transport_failed(&mut self, job: &Job, step: usize) {
         let again = job.step(step).is_some_and(|s| s.resends == 0);
-        let Some(mobile_robot) = job.mobile_robot.clone() else { return };
-        let transport = self.cell.book.mobiles.get(&mobile_robot).and_then(|m| m.transport.clone());
+        let Some(mobile_robot) = job.mobile_robot.clone() else {
+            return;
+        };
+        let transport = self
+            .cell
+            .book
+            .mobiles
+            .get(&mobile_robot)
+            .and_then(|m| m.transport.clone());
         let Some(transport) = transport else { return };
         if again {
             self.note(job.id, Fault::TransportFailed, "the order is sent again");
@@ -257,22 +353,36 @@ impl Work<'_> {
             return;
         }
         let ask = Ask {
-            question: format!("{mobile_robot} does not deliver to {}.", transport.destination),
+            question: format!(
+                "{mobile_robot} does not deliver to {}.",
+                transport.destination
+            ),
             known: vec![format!("the loads are booked on {mobile_robot}")],
             unknown: vec![format!("where {mobile_robot} is")],
-            answers: vec![Answer::Retry, Answer::SwapMobileRobot, Answer::MarkDelivered],
+            answers: vec![
+                Answer::Retry,
+                Answer::SwapMobileRobot,
+                Answer::MarkDelivered,
+            ],
             ..Ask::default()
         };
-        self.react(job, Reaction {
-            fault: Fault::TransportFailed,
-            text: "the transport did not end".into(),
-            state: Some(JobState::Suspending),
-            ask: Some(ask),
-            ..Reaction::default()
-        });
+        self.react(
+            job,
+            Reaction {
+                fault: Fault::TransportFailed,
+                text: "the transport did not end".into(),
+                state: Some(JobState::Suspending),
+                ask: Some(ask),
+                ..Reaction::default()
+            },
+        );
     }
 
-    pub(crate) fn resend_transport(&mut self, mobile_robot: &str, transport: &crate::book::Transport) {
+    pub(crate) fn resend_transport(
+        &mut self,
+        mobile_robot: &str,
+        transport: &crate::book::Transport,
+    ) {
         self.emit(Fact::Told {
             mobile_robot: mobile_robot.to_owned(),
             session: None,
@@ -297,9 +407,14 @@ impl Work<'_> {
         let fault = match &job.why {
             Why::Fault { fault } => *fault,
             Why::Recovering => Fault::Restarted,
-            Why::Course | Why::Awaiting | Why::Human { .. } | Why::DeadlinePassed => Fault::NoAnswer,
+            Why::Course | Why::Awaiting | Why::Human { .. } | Why::DeadlinePassed => {
+                Fault::NoAnswer
+            }
         };
-        let why_not = self.may_resume(job).err().unwrap_or_else(|| "it is not seen to end".into());
+        let why_not = self
+            .may_resume(job)
+            .err()
+            .unwrap_or_else(|| "it is not seen to end".into());
         let answers = if job.state == JobState::Suspended {
             vec![Answer::Resume, Answer::Cancel, Answer::Abort]
         } else {
@@ -309,7 +424,10 @@ impl Work<'_> {
         self.ask(Ask {
             job: Some(job.id),
             fault,
-            question: format!("The job stays {:?}: {why_not}. How should it go on?", job.state),
+            question: format!(
+                "The job stays {:?}: {why_not}. How should it go on?",
+                job.state
+            ),
             known,
             unknown: vec![why_not],
             answers,
@@ -326,7 +444,11 @@ impl Work<'_> {
         let Some((index, item)) = held.and_then(|i| job.items.get(i).map(|item| (i, item))) else {
             return;
         };
-        self.note(job.id, Fault::ArrivalLate, "the prefetched load is put back");
+        self.note(
+            job.id,
+            Fault::ArrivalLate,
+            "the prefetched load is put back",
+        );
         let place = crate::PlaceRef::fixed(item.place.clone());
         let drop: Vec<_> = job
             .steps
@@ -334,7 +456,10 @@ impl Work<'_> {
             .enumerate()
             .filter(|(_, s)| {
                 s.plan.item == Some(index)
-                    && matches!(s.plan.phase, Phase::PlaceApproach | Phase::Release | Phase::Retreat)
+                    && matches!(
+                        s.plan.phase,
+                        Phase::PlaceApproach | Phase::Release | Phase::Retreat
+                    )
                     && s.state == StepState::Pending
             })
             .map(|(i, _)| i)
@@ -352,21 +477,34 @@ impl Work<'_> {
         let _lift = b.then(Phase::LiftClear, Some(index), Some(place));
         let last = b.put(index, &crate::job::plan::slot_of(&job.spec, item)) + 2;
         let steps = b.steps();
-        self.emit(Fact::Planned { job: job.id, steps, drop });
+        self.emit(Fact::Planned {
+            job: job.id,
+            steps,
+            drop,
+        });
         // What needed the old steps of this item needs the new ones.
         for phase in [Phase::Approach, Phase::VerifyOnMr] {
             let next = job.steps.iter().position(|s| {
                 s.plan.phase == phase && s.state == StepState::Pending && s.plan.item != Some(index)
             });
             if let Some(step) = next {
-                self.emit(Fact::StepNeeds { job: job.id, step, need: last });
+                self.emit(Fact::StepNeeds {
+                    job: job.id,
+                    step,
+                    need: last,
+                });
             }
         }
     }
 
     /// The predecessor of a parked signal is lost: it is not waited for any longer.
     fn park_expired(&mut self, mobile_robot: &str) {
-        let parked = self.cell.book.mobiles.get(mobile_robot).and_then(|m| m.parked.clone());
+        let parked = self
+            .cell
+            .book
+            .mobiles
+            .get(mobile_robot)
+            .and_then(|m| m.parked.clone());
         if let Some(signal) = parked {
             debug_assert!(signal.kind != SignalKind::MrHeartbeat || signal.seq > 0);
             let _answer = self.act_on(signal);

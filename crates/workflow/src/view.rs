@@ -180,7 +180,12 @@ impl Cell {
     }
 
     fn timers_where(&self, now: Millis, which: impl Fn(&TimerKey) -> bool) -> Vec<TimerView> {
-        self.live.timers.keys().filter(|k| which(k)).filter_map(|k| self.timer(now, k)).collect()
+        self.live
+            .timers
+            .keys()
+            .filter(|k| which(k))
+            .filter_map(|k| self.timer(now, k))
+            .collect()
     }
 
     /// All waits that run.
@@ -220,10 +225,16 @@ impl Cell {
                 recovery: s.plan.phase.recovery(),
                 needs: s.plan.needs.clone(),
                 operation: s.op.and_then(operation),
-                left_ms: left(&TimerKey::Step { job: id, step: number }),
+                left_ms: left(&TimerKey::Step {
+                    job: id,
+                    step: number,
+                }),
             })
             .collect();
-        let current = job.current().and_then(|i| job.step(i)).map(|s| s.plan.phase);
+        let current = job
+            .current()
+            .and_then(|i| job.step(i))
+            .map(|s| s.plan.phase);
         Some(JobView {
             id,
             number: job.number,
@@ -258,7 +269,9 @@ impl Cell {
                 | TimerKey::Prefetch { job: j } => *j == id,
                 TimerKey::Operation { op } => self.book.ops.get(op).is_some_and(|o| o.job == id),
                 TimerKey::Session { session } => job.session == Some(*session),
-                TimerKey::Heartbeat { mobile_robot } => job.mobile_robot.as_ref() == Some(mobile_robot),
+                TimerKey::Heartbeat { mobile_robot } => {
+                    job.mobile_robot.as_ref() == Some(mobile_robot)
+                }
                 TimerKey::Safe { arm } | TimerKey::ArmSeen { arm } => job.arm.as_ref() == Some(arm),
                 TimerKey::Parked { .. } | TimerKey::Question { .. } => false,
             }),
@@ -268,7 +281,12 @@ impl Cell {
     /// All jobs that are remembered, oldest first.
     #[must_use]
     pub fn jobs(&self, now: Millis) -> Vec<JobView> {
-        let mut all: Vec<_> = self.book.jobs.keys().filter_map(|id| self.job(now, *id)).collect();
+        let mut all: Vec<_> = self
+            .book
+            .jobs
+            .keys()
+            .filter_map(|id| self.job(now, *id))
+            .collect();
         all.sort_by_key(|j| j.number);
         all
     }
@@ -348,7 +366,11 @@ impl Cell {
                     .question
                     .answers
                     .iter()
-                    .map(|a| Allowed { answer: *a, consequence: a.consequence(), role: a.needs() })
+                    .map(|a| Allowed {
+                        answer: *a,
+                        consequence: a.consequence(),
+                        role: a.needs(),
+                    })
                     .collect(),
                 open: i.is_open(),
                 decided: i.decided.clone(),
@@ -366,7 +388,10 @@ impl Cell {
             .map(|p| {
                 let of = |s: &std::sync::Arc<crate::session::Session>| self.permit_of(s);
                 let here = self.book.sessions.values().filter(|s| s.point == p.id);
-                let permit = here.map(of).find(|p| *p != Permit::None).unwrap_or_default();
+                let permit = here
+                    .map(of)
+                    .find(|p| *p != Permit::None)
+                    .unwrap_or_default();
                 (p.id.clone(), permit)
             })
             .collect()
@@ -386,8 +411,8 @@ impl Cell {
                     slots: m.slots.clone(),
                     heard: self.mobile_seen(&m.id).is_some(),
                     state: live.and_then(|l| l.state.clone()),
-                    boot: kept.map_or(0, |k| k.boot),
-                    last_seq: kept.map_or(0, |k| k.seq),
+                    boot: live.map_or_else(|| kept.map_or(0, |k| k.boot), |l| l.boot),
+                    last_seq: live.map_or_else(|| kept.map_or(0, |k| k.seq), |l| l.seq),
                     session: self.book.open_session_of(&m.id).map(|s| s.id),
                     destination: kept
                         .and_then(|k| k.transport.as_ref())
@@ -402,7 +427,11 @@ impl Cell {
     #[must_use]
     pub fn outbox(&self, mobile_robot: &str, after: u64) -> Vec<OutMessage> {
         let all = self.book.mobiles.get(mobile_robot).map(|m| &m.outbox);
-        all.into_iter().flatten().filter(|m| m.n > after).cloned().collect()
+        all.into_iter()
+            .flatten()
+            .filter(|m| m.n > after)
+            .cloned()
+            .collect()
     }
 
     /// Who has what.
@@ -412,7 +441,10 @@ impl Cell {
             .claims
             .0
             .iter()
-            .map(|(resource, by)| ClaimView { resource: resource.clone(), by: *by })
+            .map(|(resource, by)| ClaimView {
+                resource: resource.clone(),
+                by: *by,
+            })
             .collect()
     }
 }

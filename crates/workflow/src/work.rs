@@ -26,7 +26,12 @@ pub(crate) struct Work<'a> {
 
 impl<'a> Work<'a> {
     pub(crate) fn new(cell: Cell, now: Millis, ids: &'a mut dyn IdSource) -> Self {
-        Self { cell, now, ids, facts: Vec::new() }
+        Self {
+            cell,
+            now,
+            ids,
+            facts: Vec::new(),
+        }
     }
 
     pub(crate) fn decide(mut self, input: Input) -> Result<Decision, Refusal> {
@@ -43,7 +48,10 @@ impl<'a> Work<'a> {
         } else {
             self.settle();
         }
-        Ok(Decision { facts: self.facts, reply })
+        Ok(Decision {
+            facts: self.facts,
+            reply,
+        })
     }
 
     /// While the journal cannot be written, nothing that would have to be kept may come of an input.
@@ -77,7 +85,11 @@ impl<'a> Work<'a> {
                 return;
             }
         }
-        debug_assert!(false, "a decision does not come to rest: {:?}", self.facts.last());
+        debug_assert!(
+            false,
+            "a decision does not come to rest: {:?}",
+            self.facts.last()
+        );
     }
 
     pub(crate) fn job(&self, id: Uuid) -> Option<Arc<Job>> {
@@ -90,14 +102,26 @@ impl<'a> Work<'a> {
 
     pub(crate) fn jobs(&self) -> Vec<Uuid> {
         let live = |j: &&Arc<Job>| !j.state.is_final() && j.state != JobState::Idle;
-        let mut all: Vec<_> =
-            self.cell.book.jobs.values().filter(live).map(|j| (j.number, j.id)).collect();
+        let mut all: Vec<_> = self
+            .cell
+            .book
+            .jobs
+            .values()
+            .filter(live)
+            .map(|j| (j.number, j.id))
+            .collect();
         all.sort_unstable();
         all.into_iter().map(|(_, id)| id).collect()
     }
 
     pub(crate) fn open_sessions(&self) -> Vec<Arc<Session>> {
-        self.cell.book.sessions.values().filter(|s| !s.state.is_closed()).cloned().collect()
+        self.cell
+            .book
+            .sessions
+            .values()
+            .filter(|s| !s.state.is_closed())
+            .cloned()
+            .collect()
     }
 
     pub(crate) fn tell(&mut self, session: &Session, message: Message) {
@@ -109,25 +133,52 @@ impl<'a> Work<'a> {
     }
 
     pub(crate) fn go(&mut self, job: Uuid, to: JobState, why: Why, text: impl Into<String>) {
-        self.emit(Fact::JobMoved { job, to, why, text: text.into() });
+        self.emit(Fact::JobMoved {
+            job,
+            to,
+            why,
+            text: text.into(),
+        });
     }
 
     pub(crate) fn note(&mut self, job: Uuid, fault: Fault, text: impl Into<String>) {
-        self.emit(Fact::FaultNoted { job, fault, text: text.into() });
+        self.emit(Fact::FaultNoted {
+            job,
+            fault,
+            text: text.into(),
+        });
     }
 
     pub(crate) fn step_to(&mut self, job: &Job, step: usize, to: StepState, text: &str) {
-        let Some(found) = job.steps.get(step) else { return };
+        let Some(found) = job.steps.get(step) else {
+            return;
+        };
         let attempt = match (found.state, to) {
-            (StepState::Pending | StepState::Retriable, StepState::Running) => found.attempt.saturating_add(1),
+            (StepState::Pending | StepState::Retriable, StepState::Running) => {
+                found.attempt.saturating_add(1)
+            }
             _ => found.attempt,
         };
-        self.emit(Fact::StepMoved { job: job.id, step, to, attempt, text: text.to_owned() });
+        self.emit(Fact::StepMoved {
+            job: job.id,
+            step,
+            to,
+            attempt,
+            text: text.to_owned(),
+        });
     }
 
     pub(crate) fn move_session(&mut self, session: &Session, to: SessionState) {
-        debug_assert!(session.state.may_become(to), "{:?} -> {to:?}", session.state);
-        self.emit(Fact::SessionMoved { session: session.id, to, fault: None });
+        debug_assert!(
+            session.state.may_become(to),
+            "{:?} -> {to:?}",
+            session.state
+        );
+        self.emit(Fact::SessionMoved {
+            session: session.id,
+            to,
+            fault: None,
+        });
     }
 
     /// Asks a human. One open question for each job, and one for each session: a newer truth replaces it.
@@ -164,12 +215,18 @@ impl<'a> Work<'a> {
     pub(crate) fn withdraw(&mut self, job: Uuid, text: &str) {
         if let Some(open) = self.cell.book.question_of(job) {
             let intervention = open.question.id;
-            self.emit(Fact::Withdrawn { intervention, text: text.to_owned() });
+            self.emit(Fact::Withdrawn {
+                intervention,
+                text: text.to_owned(),
+            });
         }
     }
 
     pub(crate) fn stop_arm(&mut self, arm: &str, text: &str) {
-        self.emit(Fact::ArmStopped { arm: arm.to_owned(), text: text.to_owned() });
+        self.emit(Fact::ArmStopped {
+            arm: arm.to_owned(),
+            text: text.to_owned(),
+        });
     }
 
     pub(crate) fn take(&mut self, input: Input) -> Result<Reply, Refusal> {

@@ -2,18 +2,22 @@
 
 use uuid::Uuid;
 
+use crate::book::OpState;
 use crate::commands_in::{allowed, word};
 use crate::effect::Action;
 use crate::fact::Fact;
 use crate::faults::Fault;
 use crate::input::{Command, Principal, Refusal, Reply};
-use crate::book::OpState;
 use crate::job::phase::Phase;
 use crate::job::{Compensation, Job, JobState, StepState, Why};
 use crate::react::Reaction;
 use crate::work::Work;
 
 impl Work<'_> {
+    #[expect(
+        clippy::too_many_lines,
+        reason = "a table: what each command does in each state"
+    )]
     pub(crate) fn command(
         &mut self,
         id: Uuid,
@@ -23,10 +27,15 @@ impl Work<'_> {
     ) -> Result<Reply, Refusal> {
         allowed(word(command), principal, reason)?;
         let Some(job) = self.job(id) else {
-            return Err(Refusal::Unknown { what: "job", id: id.to_string() });
+            return Err(Refusal::Unknown {
+                what: "job",
+                id: id.to_string(),
+            });
         };
         let state = job.state;
-        let why = Why::Human { principal: principal.name.clone() };
+        let why = Why::Human {
+            principal: principal.name.clone(),
+        };
         let no = |text: &str| {
             Err(Refusal::Conflict {
                 command: word(command).to_owned(),
@@ -90,7 +99,10 @@ impl Work<'_> {
             },
             Command::Abort => match state {
                 JobState::Aborting | JobState::Aborted => return Ok(Reply::Unchanged),
-                JobState::Complete | JobState::Stopped | JobState::Clearing | JobState::Resetting => {
+                JobState::Complete
+                | JobState::Stopped
+                | JobState::Clearing
+                | JobState::Resetting => {
                     return no("it is over");
                 }
                 JobState::Idle => self.go(id, JobState::Stopped, why, reason),
@@ -149,12 +161,18 @@ impl Work<'_> {
             .collect();
         for op in open {
             // Planning moves nothing: its answer is not waited for.
-            let planning = self.cell.book.ops.get(&op).is_some_and(|o| {
-                matches!(o.action, Action::Precheck { .. })
-            });
+            let planning = self
+                .cell
+                .book
+                .ops
+                .get(&op)
+                .is_some_and(|o| matches!(o.action, Action::Precheck { .. }));
             if planning {
                 let text = "the job was canceled".to_owned();
-                self.emit(Fact::OpEnded { op, result: crate::OpResult::NotExecuted { text } });
+                self.emit(Fact::OpEnded {
+                    op,
+                    result: crate::OpResult::NotExecuted { text },
+                });
             }
         }
         self.go(job.id, JobState::Stopping, why, reason);
@@ -164,13 +182,16 @@ impl Work<'_> {
     }
 
     fn abort(&mut self, job: &Job, why: Why, reason: &str) {
-        self.react(job, Reaction {
-            fault: Fault::Canceled,
-            text: reason.to_owned(),
-            permits: true,
-            stop: true,
-            ..Reaction::default()
-        });
+        self.react(
+            job,
+            Reaction {
+                fault: Fault::Canceled,
+                text: reason.to_owned(),
+                permits: true,
+                stop: true,
+                ..Reaction::default()
+            },
+        );
         self.withdraw(job.id, "the job was aborted");
         self.go(job.id, JobState::Aborting, why, reason);
     }
@@ -189,7 +210,10 @@ impl Work<'_> {
 
     fn step_command(&mut self, job: &Job, command: Command) -> Result<Reply, Refusal> {
         let no = |text: String| {
-            Err(Refusal::Conflict { command: word(command).to_owned(), text })
+            Err(Refusal::Conflict {
+                command: word(command).to_owned(),
+                text,
+            })
         };
         if !matches!(job.state, JobState::Held | JobState::Suspended) {
             return no(format!("the job is {:?}; hold it first", job.state));
@@ -197,53 +221,77 @@ impl Work<'_> {
         if self.cell.ops_of(job.id).next().is_some() {
             return no("an operation is not decided".into());
         }
-        let step = job.steps.iter().position(|s| s.state == StepState::Retriable).or_else(|| {
-            job.steps.iter().position(|s| s.state == StepState::Running)
-        });
-        let Some(step) = step else { return no("no step is waiting".into()) };
+        let step = job
+            .steps
+            .iter()
+            .position(|s| s.state == StepState::Retriable)
+            .or_else(|| job.steps.iter().position(|s| s.state == StepState::Running));
+        let Some(step) = step else {
+            return no("no step is waiting".into());
+        };
         let phase = job.step(step).map_or(Phase::Close, |s| s.plan.phase);
-        match command {
-            Command::SkipStep if !phase.may_skip() => {
+        if command == Command::CompleteManually {
+            return self.complete_manually(job, step, phase);
+        }
+        if command == Command::SkipStep {
+            if !phase.may_skip() {
                 return no(format!("{phase:?} is a deed, not a check"));
             }
-            Command::SkipStep => {
-                if phase == Phase::VerifyLoad && job.items.iter().any(|i| i.load.is_none()) {
-                    return no("the loads have no names yet; accept them instead".into());
-                }
-                self.step_to(job, step, StepState::Skipped, "skipped by a human");
+            if phase == Phase::VerifyLoad && job.items.iter().any(|i| i.load.is_none()) {
+                return no("the loads have no names yet; accept them instead".into());
             }
-            Command::CompleteManually => return self.complete_manually(job, step, phase),
-            _ => {
-                let attempt = 0;
-                let text = "a human lets it be tried again".to_owned();
-                let to = StepState::Pending;
-                self.emit(Fact::StepMoved { job: job.id, step, to, attempt, text });
-            }
+            self.step_to(job, step, StepState::Skipped, "skipped by a human");
+        } else {
+            let attempt = 0;
+            let text = "a human lets it be tried again".to_owned();
+            let to = StepState::Pending;
+            self.emit(Fact::StepMoved {
+                job: job.id,
+                step,
+                to,
+                attempt,
+                text,
+            });
         }
         self.withdraw(job.id, "a human decided about the step");
         Ok(Reply::Done)
     }
 
     /// The books have to agree with what the human says was done: custody is set first.
-    fn complete_manually(&mut self, job: &Job, step: usize, phase: Phase) -> Result<Reply, Refusal> {
+    fn complete_manually(
+        &mut self,
+        job: &Job,
+        step: usize,
+        phase: Phase,
+    ) -> Result<Reply, Refusal> {
         let no = |text: String| {
-            Err(Refusal::Conflict { command: "complete-manually".to_owned(), text })
+            Err(Refusal::Conflict {
+                command: "complete-manually".to_owned(),
+                text,
+            })
         };
-        let held = job.arm.as_ref().and_then(|a| self.cell.book.custody.in_gripper(a));
+        let held = job
+            .arm
+            .as_ref()
+            .and_then(|a| self.cell.book.custody.in_gripper(a));
         let load = job.item_of(step).and_then(|(_, item)| item.load.as_deref());
-        let agrees = match phase {
-            Phase::Grip => held.is_some() && held == load,
-            Phase::Release => {
-                let place = job.step(step).and_then(|s| s.plan.place.clone());
-                let at = place.and_then(|p| self.location_of(job, &p));
-                at.is_some() && load.and_then(|l| self.cell.book.custody.of(l)) == at.as_ref()
-            }
-            Phase::VerifyEmpty | Phase::VerifyOnMr => true,
-            Phase::VerifyLoad => job.items.iter().all(|i| i.load.is_some()),
-            _ => return no(format!("{phase:?} is proven by what is seen, not by words")),
+        let agrees = if phase == Phase::Grip {
+            held.is_some() && held == load
+        } else if phase == Phase::Release {
+            let place = job.step(step).and_then(|s| s.plan.place.clone());
+            let at = place.and_then(|p| self.location_of(job, &p));
+            at.is_some() && load.and_then(|l| self.cell.book.custody.of(l)) == at.as_ref()
+        } else if phase == Phase::VerifyLoad {
+            job.items.iter().all(|i| i.load.is_some())
+        } else if matches!(phase, Phase::VerifyEmpty | Phase::VerifyOnMr) {
+            true
+        } else {
+            return no(format!("{phase:?} is proven by what is seen, not by words"));
         };
         if !agrees {
-            return no(format!("{phase:?}: say first where the load is (set-custody)"));
+            return no(format!(
+                "{phase:?}: say first where the load is (set-custody)"
+            ));
         }
         self.step_to(job, step, StepState::Succeeded, "completed by a human");
         self.withdraw(job.id, "a human completed the step");
@@ -252,6 +300,9 @@ impl Work<'_> {
 
     /// A job whose compensation was blocked goes on undoing.
     pub(crate) fn undo_again(&mut self, job: &Job) {
-        self.emit(Fact::CompensationMoved { job: job.id, to: Compensation::None });
+        self.emit(Fact::CompensationMoved {
+            job: job.id,
+            to: Compensation::None,
+        });
     }
 }

@@ -1,9 +1,9 @@
 //! Jobs (SM-5) and their steps (SM-6).
 
-pub mod params;
-pub mod phase;
 pub(crate) mod command;
 pub(crate) mod operations;
+pub(crate) mod params;
+pub(crate) mod phase;
 pub(crate) mod plan;
 pub(crate) mod run;
 pub(crate) mod undo;
@@ -18,7 +18,7 @@ use crate::setup::PlaceRef;
 use params::NewJob;
 use phase::Phase;
 
-/// PackML states of a job.
+/// `PackML` states of a job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 #[expect(missing_docs, reason = "the words of PackML")]
@@ -67,7 +67,10 @@ impl JobState {
 
     /// The states in which steps make progress (SUSPENDED only while merely waiting).
     pub(crate) const fn runs(self) -> bool {
-        matches!(self, Self::Starting | Self::Execute | Self::Completing | Self::Stopping)
+        matches!(
+            self,
+            Self::Starting | Self::Execute | Self::Completing | Self::Stopping
+        )
     }
 }
 
@@ -231,11 +234,6 @@ pub(crate) struct Job {
 }
 
 impl Job {
-    /// The step whose operation this is.
-    pub(crate) fn step_of(&self, op: Uuid) -> Option<usize> {
-        self.steps.iter().position(|s| s.op == Some(op))
-    }
-
     pub(crate) fn step(&self, index: usize) -> Option<&Step> {
         self.steps.get(index)
     }
@@ -250,13 +248,15 @@ impl Job {
     }
 
     pub(crate) fn find(&self, phase: Phase) -> Option<usize> {
-        self.steps.iter().position(|s| s.plan.phase == phase && s.state != StepState::Dropped)
+        self.steps
+            .iter()
+            .position(|s| s.plan.phase == phase && s.state != StepState::Dropped)
     }
 
     pub(crate) fn is_done(&self, phase: Phase) -> bool {
-        self.steps
-            .iter()
-            .any(|s| s.plan.phase == phase && matches!(s.state, StepState::Succeeded | StepState::Skipped))
+        self.steps.iter().any(|s| {
+            s.plan.phase == phase && matches!(s.state, StepState::Succeeded | StepState::Skipped)
+        })
     }
 
     /// Whether steps may make progress.

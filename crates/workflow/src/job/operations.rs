@@ -22,9 +22,13 @@ use crate::work::{Ask, Work};
 
 /// The operations of a step, in order.
 pub(crate) fn operations(job: &Job, step: usize) -> Vec<Action> {
-    let Some(step) = job.step(step) else { return Vec::new() };
+    let Some(step) = job.step(step) else {
+        return Vec::new();
+    };
     if step.plan.phase == Phase::Precheck {
-        return vec![Action::Precheck { targets: all_targets(job) }];
+        return vec![Action::Precheck {
+            targets: all_targets(job),
+        }];
     }
     let place = match (step.plan.phase, &step.plan.place) {
         (Phase::BackOut, _) => job.near.clone(),
@@ -42,12 +46,24 @@ pub(crate) fn operations(job: &Job, step: usize) -> Vec<Action> {
         target,
         docked: None,
     };
-    let Some(place) = place else { return vec![to(Target::Safe)] };
-    let approach = to(Target::ApproachOf { place: place.clone() });
-    let at = to(Target::At { place: place.clone() });
+    let Some(place) = place else {
+        return vec![to(Target::Safe)];
+    };
+    let approach = to(Target::ApproachOf {
+        place: place.clone(),
+    });
+    let at = to(Target::At {
+        place: place.clone(),
+    });
     let lift = to(Target::LiftOf { place });
-    let (open, close) =
-        (Action::Grip { action: GripAction::Open }, Action::Grip { action: GripAction::Close });
+    let (open, close) = (
+        Action::Grip {
+            action: GripAction::Open,
+        },
+        Action::Grip {
+            action: GripAction::Close,
+        },
+    );
     let out = if job.near.is_some() || step.done_ops > 0 {
         vec![lift.clone(), to(Target::Safe)]
     } else {
@@ -82,14 +98,21 @@ pub(crate) fn operations(job: &Job, step: usize) -> Vec<Action> {
 fn all_targets(job: &Job) -> Vec<Target> {
     let mut targets = Vec::new();
     for item in &job.items {
-        let (slot, fixed) = (slot_of(&job.spec, item), PlaceRef::fixed(item.place.clone()));
+        let (slot, fixed) = (
+            slot_of(&job.spec, item),
+            PlaceRef::fixed(item.place.clone()),
+        );
         let ways = match job.spec.workflow {
             Workflow::DeliveryAndPlacement => [slot, fixed],
             Workflow::PickupAndDelivery => [fixed, slot],
         };
         for place in ways {
-            targets.push(Target::ApproachOf { place: place.clone() });
-            targets.push(Target::At { place: place.clone() });
+            targets.push(Target::ApproachOf {
+                place: place.clone(),
+            });
+            targets.push(Target::At {
+                place: place.clone(),
+            });
             targets.push(Target::LiftOf { place });
         }
     }
@@ -130,19 +153,29 @@ impl Work<'_> {
             }
         }
         let op = self.ids.next_id();
-        self.emit(Fact::OpStarted { op, job: job.id, step, arm, action });
+        self.emit(Fact::OpStarted {
+            op,
+            job: job.id,
+            step,
+            arm,
+            action,
+        });
     }
 
     /// Whether the arm may enter the zone now: its permit, and the second evidence (M5). After a fault the permit is
     /// granted again from DOCKED.
     fn may_enter(&mut self, job: &Job) -> bool {
-        let Some(session) = self.cell.session_of(job).cloned() else { return false };
+        let Some(session) = self.cell.session_of(job).cloned() else {
+            return false;
+        };
         if self.cell.dock_evidence(&session).is_err() {
             return false;
         }
         if session.state == SessionState::Docked && session.ready && job.is_done(Phase::Permit) {
             self.move_session(&session, SessionState::TransferReady);
-            let Some(session) = self.session(session.id) else { return false };
+            let Some(session) = self.session(session.id) else {
+                return false;
+            };
             self.move_session(&session, SessionState::Transferring);
             self.tell(&session, Message::CellReady);
             return true;
@@ -159,17 +192,27 @@ impl Work<'_> {
             return;
         }
         if matches!(phase, Phase::LiftClear | Phase::Retreat | Phase::BackOut) {
-            let Some(seen) = self.cell.arm_seen(arm) else { return };
+            let Some(seen) = self.cell.arm_seen(arm) else {
+                return;
+            };
             let zone = self.cell.setup.point(&job.spec.point).map(|p| &p.zone);
             if zone.is_some_and(|z| seen.zones.contains(z)) {
                 return;
             }
-            let load = found.plan.item.and_then(|i| job.items.get(i)).and_then(|i| i.load.clone());
+            let load = found
+                .plan
+                .item
+                .and_then(|i| job.items.get(i))
+                .and_then(|i| i.load.clone());
             if phase == Phase::Retreat
                 && seen.part_present == Some(true)
                 && let Some(load) = load
             {
-                self.part_lost(job, &load, "after the release a part is still in the gripper");
+                self.part_lost(
+                    job,
+                    &load,
+                    "after the release a part is still in the gripper",
+                );
                 return;
             }
         }
@@ -185,18 +228,22 @@ impl Work<'_> {
     fn after_back_out(&mut self, job: &Job) {
         let begun = |phase: Phase| {
             job.steps.iter().position(|s| {
-                s.plan.phase == phase && matches!(s.state, StepState::Running | StepState::Retriable)
+                s.plan.phase == phase
+                    && matches!(s.state, StepState::Running | StepState::Retriable)
             })
         };
-        for (late, early) in
-            [(Phase::Grip, Phase::Approach), (Phase::Release, Phase::PlaceApproach)]
-        {
+        for (late, early) in [
+            (Phase::Grip, Phase::Approach),
+            (Phase::Release, Phase::PlaceApproach),
+        ] {
             let again = match (begun(late), begun(early)) {
                 (Some(late), _) => {
                     let item = job.step(late).and_then(|s| s.plan.item);
                     let undo = job.step(late).is_some_and(|s| s.plan.undo);
                     let early = job.steps.iter().rposition(|s| {
-                        s.plan.phase == early && s.plan.item == item && s.plan.undo == undo
+                        s.plan.phase == early
+                            && s.plan.item == item
+                            && s.plan.undo == undo
                             && s.state != StepState::Dropped
                     });
                     vec![Some(late), early]
@@ -217,7 +264,9 @@ impl Work<'_> {
 
     /// An operation ended: what does it mean?
     pub(crate) fn op_ended(&mut self, id: Uuid, result: OpResult) -> Result<Reply, Refusal> {
-        let Some(op) = self.cell.book.ops.get(&id).cloned() else { return Ok(Reply::Unchanged) };
+        let Some(op) = self.cell.book.ops.get(&id).cloned() else {
+            return Ok(Reply::Unchanged);
+        };
         let fits = match (&op.action, &result) {
             (Action::Move { .. }, OpResult::Gripped { .. } | OpResult::Prechecked { .. })
             | (Action::Grip { .. } | Action::Precheck { .. }, OpResult::Arrived)
@@ -231,7 +280,9 @@ impl Work<'_> {
                 problem: "the result does not belong to this kind of operation".into(),
             });
         }
-        let Some(job) = self.job(op.job) else { return Ok(Reply::Unchanged) };
+        let Some(job) = self.job(op.job) else {
+            return Ok(Reply::Unchanged);
+        };
         if let OpResult::InDoubt { text } = &result {
             self.op_in_doubt(&job, id, &op, text);
             return Ok(Reply::Done);
@@ -245,22 +296,36 @@ impl Work<'_> {
         {
             self.withdraw(job.id, "the truth was found");
         }
-        self.emit(Fact::OpEnded { op: id, result: result.clone() });
-        let Some(job) = self.job(op.job) else { return Ok(Reply::Done) };
+        self.emit(Fact::OpEnded {
+            op: id,
+            result: result.clone(),
+        });
+        let Some(job) = self.job(op.job) else {
+            return Ok(Reply::Done);
+        };
+        let over = crate::react::is_over(&job);
         match result {
+            _ if over && !matches!(result, OpResult::Gripped { .. }) => {}
             OpResult::Arrived | OpResult::InDoubt { .. } => {}
             OpResult::Prechecked { failures } => {
                 if let Some(first) = failures.first() {
                     self.unreachable(&job, op.step, first);
                 }
             }
-            OpResult::Gripped { closed, open, part_present } => {
+            OpResult::Gripped {
+                closed,
+                open,
+                part_present,
+            } => {
                 self.gripped(&job, &op, id, (closed, open, part_present));
             }
             OpResult::NotExecuted { text } => self.not_executed(&job, &op, &text),
             OpResult::Interrupted { text } => {
                 // Stopped on purpose, or found so after a loss: it is planned again from where the arm is.
-                if job.state.runs() && op.state == OpState::Running && job.state != JobState::Stopping {
+                if job.state.runs()
+                    && op.state == OpState::Running
+                    && job.state != JobState::Stopping
+                {
                     self.step_stuck(&job, op.step, Fault::ControllerAlarm, &text, None);
                 }
             }
@@ -276,21 +341,33 @@ impl Work<'_> {
         if tries >= self.cell.setup.timers.resends {
             self.step_stuck(job, op.step, Fault::ControllerAlarm, text, None);
         } else {
-            self.emit(Fact::StepResent { job: job.id, step: op.step });
+            self.emit(Fact::StepResent {
+                job: job.id,
+                step: op.step,
+            });
         }
     }
 
     /// F8. The first time: look it up. If that does not tell either: a human.
     pub(crate) fn op_in_doubt(&mut self, job: &Job, id: Uuid, op: &Op, text: &str) {
-        self.emit(Fact::OpDoubted { op: id, text: text.to_owned() });
+        self.emit(Fact::OpDoubted {
+            op: id,
+            text: text.to_owned(),
+        });
         if op.state == OpState::Running {
-            self.react(job, Reaction {
-                fault: Fault::NoAnswer,
-                text: text.into(),
-                permits: true,
-                state: Some(JobState::Suspending),
-                ..Reaction::default()
-            });
+            self.react(
+                job,
+                Reaction {
+                    fault: Fault::NoAnswer,
+                    text: text.into(),
+                    permits: true,
+                    state: Some(JobState::Suspending),
+                    ..Reaction::default()
+                },
+            );
+            return;
+        }
+        if crate::react::is_over(job) {
             return;
         }
         let mut answers = vec![Answer::Happened, Answer::DidNotHappen];
@@ -314,8 +391,14 @@ impl Work<'_> {
     /// The gripper's inputs: custody changes here and nowhere else in the course of a job.
     fn gripped(&mut self, job: &Job, op: &Op, id: Uuid, inputs: (bool, bool, bool)) {
         let (closed, open, part_present) = inputs;
-        let Some(step) = job.step(op.step).cloned() else { return };
-        let Some(load) = step.plan.item.and_then(|i| job.items.get(i)).and_then(|i| i.load.clone())
+        let Some(step) = job.step(op.step).cloned() else {
+            return;
+        };
+        let Some(load) = step
+            .plan
+            .item
+            .and_then(|i| job.items.get(i))
+            .and_then(|i| i.load.clone())
         else {
             return;
         };
@@ -323,12 +406,19 @@ impl Work<'_> {
         let held = self.cell.book.custody.in_gripper(&op.arm) == Some(load.as_str());
         match (grip_of(&op.action), step.plan.phase) {
             (Some(GripAction::Close), _) if closed && part_present => {
-                let to = Location::Gripper { arm: op.arm.clone() };
+                let to = Location::Gripper {
+                    arm: op.arm.clone(),
+                };
                 self.emit(Fact::CustodyMoved { load, to, by });
             }
             (Some(GripAction::Close), _) => self.grip_failed(job, op.step),
             (Some(GripAction::Open), Phase::Release) if held && open && !part_present => {
-                if let Some(to) = step.plan.place.as_ref().and_then(|p| self.location_of(job, p)) {
+                if let Some(to) = step
+                    .plan
+                    .place
+                    .as_ref()
+                    .and_then(|p| self.location_of(job, p))
+                {
                     self.emit(Fact::CustodyMoved { load, to, by });
                 }
             }
@@ -341,9 +431,15 @@ impl Work<'_> {
     }
 
     /// Where a load is when it was released at `place`.
+    #[expect(
+        clippy::unused_self,
+        reason = "reads like the other questions to the state"
+    )]
     pub(crate) fn location_of(&self, job: &Job, place: &PlaceRef) -> Option<Location> {
         Some(match place {
-            PlaceRef::Fixed { place } => Location::Fixed { place: place.clone() },
+            PlaceRef::Fixed { place } => Location::Fixed {
+                place: place.clone(),
+            },
             PlaceRef::MobileRobot { slot, .. } => Location::MobileRobot {
                 mobile_robot: job.mobile_robot.clone()?,
                 slot: slot.clone(),
@@ -358,7 +454,13 @@ impl Work<'_> {
         let attempt = found.attempt.max(1).saturating_add(1);
         let to = found.state;
         let text = "open, retreat and try again".into();
-        self.emit(Fact::StepMoved { job: job.id, step, to, attempt, text });
+        self.emit(Fact::StepMoved {
+            job: job.id,
+            step,
+            to,
+            attempt,
+            text,
+        });
     }
 
     /// F9 after the last attempt; the arm is out and open. Now it is F4.
@@ -371,7 +473,13 @@ impl Work<'_> {
         });
         for again in [approach, Some(step)].into_iter().flatten() {
             let to = StepState::Pending;
-            self.emit(Fact::StepMoved { job: job.id, step: again, to, attempt: 0, text: text.into() });
+            self.emit(Fact::StepMoved {
+                job: job.id,
+                step: again,
+                to,
+                attempt: 0,
+                text: text.into(),
+            });
         }
         self.load_question(job, Fault::LoadMismatch, text);
     }
@@ -380,12 +488,28 @@ impl Work<'_> {
 /// In words, for questions.
 pub(crate) fn describe(action: &Action) -> String {
     match action {
-        Action::Move { target: Target::ApproachOf { place }, .. } => format!("the move before {place}"),
-        Action::Move { target: Target::At { place }, .. } => format!("the move to {place}"),
-        Action::Move { target: Target::LiftOf { place }, .. } => format!("the lift from {place}"),
-        Action::Move { target: Target::Safe, .. } => "the move to the safe pose".into(),
-        Action::Grip { action: GripAction::Close } => "closing the gripper".into(),
-        Action::Grip { action: GripAction::Open } => "opening the gripper".into(),
+        Action::Move {
+            target: Target::ApproachOf { place },
+            ..
+        } => format!("the move before {place}"),
+        Action::Move {
+            target: Target::At { place },
+            ..
+        } => format!("the move to {place}"),
+        Action::Move {
+            target: Target::LiftOf { place },
+            ..
+        } => format!("the lift from {place}"),
+        Action::Move {
+            target: Target::Safe,
+            ..
+        } => "the move to the safe pose".into(),
+        Action::Grip {
+            action: GripAction::Close,
+        } => "closing the gripper".into(),
+        Action::Grip {
+            action: GripAction::Open,
+        } => "opening the gripper".into(),
         Action::Precheck { .. } => "the precheck".into(),
     }
 }

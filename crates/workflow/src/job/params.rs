@@ -102,7 +102,7 @@ pub struct NewJob {
     /// Has to have started by then, on the driver's clock.
     #[serde(default)]
     pub deadline: Option<Millis>,
-    /// Expected drive to the point: T_arr is 1.5 times this.
+    /// Expected drive to the point: `T_arr` is 1.5 times this.
     #[serde(default)]
     pub expected_arrival_ms: Option<Millis>,
     /// Expected drive to the destination: its timer is twice this.

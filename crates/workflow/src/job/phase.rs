@@ -71,7 +71,7 @@ pub enum Recovery {
     Operator,
 }
 
-/// PackML state of a job while a phase runs.
+/// `PackML` state of a job while a phase runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Shown {
     Starting,
@@ -103,7 +103,13 @@ impl Phase {
             recovery: Recovery,
             late: Fault,
         ) -> Row {
-            Row { a, b, shown, recovery, late }
+            Row {
+                a,
+                b,
+                shown,
+                recovery,
+                late,
+            }
         }
         match self {
             Self::Reserve => row("A1", "B1", Starting, Compensate, Fault::Unreachable),
@@ -164,7 +170,10 @@ impl Phase {
     /// Whether a human may skip it: checks, never deeds.
     #[must_use]
     pub const fn may_skip(self) -> bool {
-        matches!(self, Self::VerifyLoad | Self::VerifyEmpty | Self::VerifyOnMr)
+        matches!(
+            self,
+            Self::VerifyLoad | Self::VerifyEmpty | Self::VerifyOnMr
+        )
     }
 
     /// How long it may take. Every phase has a limit.

@@ -19,7 +19,11 @@ pub(crate) struct Builder {
 impl Builder {
     /// Steps that are appended to a plan of `offset` steps.
     pub(crate) fn after(offset: usize, undo: bool) -> Self {
-        Self { offset, undo, ..Self::default() }
+        Self {
+            offset,
+            undo,
+            ..Self::default()
+        }
     }
 
     /// One more step, after the last one.
@@ -31,7 +35,13 @@ impl Builder {
     ) -> usize {
         let index = self.offset + self.steps.len();
         let needs = self.last.into_iter().collect();
-        self.steps.push(PlannedStep { phase, item, place, needs, undo: self.undo });
+        self.steps.push(PlannedStep {
+            phase,
+            item,
+            place,
+            needs,
+            undo: self.undo,
+        });
         self.last = Some(index);
         index
     }
@@ -74,7 +84,10 @@ impl Builder {
 
 /// The slot of an item at the job's point.
 pub(crate) fn slot_of(spec: &NewJob, item: &Item) -> PlaceRef {
-    PlaceRef::MobileRobot { point: spec.point.clone(), slot: item.slot.clone() }
+    PlaceRef::MobileRobot {
+        point: spec.point.clone(),
+        slot: item.slot.clone(),
+    }
 }
 
 /// The plan of a new job: A1 to A16, or B1 to B16.
@@ -84,7 +97,13 @@ pub(crate) fn plan(spec: &NewJob, items: &[Item]) -> Vec<PlannedStep> {
     let precheck = b.then(Phase::Precheck, None, None);
     match spec.workflow {
         Workflow::DeliveryAndPlacement => {
-            for phase in [Phase::Call, Phase::Await, Phase::Dock, Phase::VerifyLoad, Phase::Permit] {
+            for phase in [
+                Phase::Call,
+                Phase::Await,
+                Phase::Dock,
+                Phase::VerifyLoad,
+                Phase::Permit,
+            ] {
                 let _next = b.then(phase, None, None);
             }
             for (index, item) in items.iter().enumerate() {
@@ -104,7 +123,13 @@ pub(crate) fn plan(spec: &NewJob, items: &[Item]) -> Vec<PlannedStep> {
                 place.map(|place| b.pick(0, &place))
             });
             b.fork(precheck);
-            for phase in [Phase::Call, Phase::Await, Phase::Dock, Phase::VerifyEmpty, Phase::Permit] {
+            for phase in [
+                Phase::Call,
+                Phase::Await,
+                Phase::Dock,
+                Phase::VerifyEmpty,
+                Phase::Permit,
+            ] {
                 let _next = b.then(phase, None, None);
             }
             for (index, item) in items.iter().enumerate() {

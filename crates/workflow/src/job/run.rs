@@ -10,6 +10,12 @@ use crate::job::{Compensation, Job, JobState, StepState, Why};
 use crate::session::SessionState;
 use crate::work::Work;
 
+/// The load a gripper was acting on.
+fn load_of_grip(job: &Job, op: &crate::book::Op) -> Option<String> {
+    let _grip = crate::supervise::grip_of(&op.action)?;
+    job.item_of(op.step).and_then(|(_, item)| item.load.clone())
+}
+
 impl Work<'_> {
     pub(crate) fn run_jobs(&mut self) {
         let before = self.facts.len();
@@ -60,11 +66,13 @@ impl Work<'_> {
     }
 
     /// The arm stands; motions that nobody heard the end of have ended somewhere, grips are unknown.
-    fn aborted(&mut self, job: &Job) {
+    pub(crate) fn aborted(&mut self, job: &Job) {
         let open: Vec<_> = self.cell.ops_of(job.id).map(|(id, _)| id).collect();
         for id in open {
-            let Some(op) = self.cell.book.ops.get(&id).cloned() else { continue };
-            if let Some(load) = self.load_of_grip(job, &op) {
+            let Some(op) = self.cell.book.ops.get(&id).cloned() else {
+                continue;
+            };
+            if let Some(load) = load_of_grip(job, &op) {
                 let text = "the job was aborted while the gripper acted";
                 self.emit(Fact::OpEnded {
                     op: id,
@@ -74,27 +82,30 @@ impl Work<'_> {
                 return;
             }
             let text = "the job was aborted".to_owned();
-            self.emit(Fact::OpEnded { op: id, result: crate::OpResult::Interrupted { text } });
+            self.emit(Fact::OpEnded {
+                op: id,
+                result: crate::OpResult::Interrupted { text },
+            });
         }
         self.go_on(job, JobState::Aborted);
-    }
-
-    fn load_of_grip(&self, job: &Job, op: &crate::book::Op) -> Option<String> {
-        let _grip = crate::supervise::grip_of(&op.action)?;
-        job.item_of(op.step).and_then(|(_, item)| item.load.clone())
     }
 
     /// A human cleared an aborted job. What it had is free; its mobile robot waits for a decision.
     fn cleared(&mut self, job: &Job) {
         let session = self.cell.session_of(job).cloned();
-        self.emit(Fact::Released { by: Holder::Job(job.id), resources: None });
+        self.emit(Fact::Released {
+            by: Holder::Job(job.id),
+            resources: None,
+        });
         self.go_on(job, JobState::Stopped);
         let Some(session) = session else { return };
         match session.state {
             SessionState::Reserved if session.order.is_none() => {
                 self.close(&session, SessionState::Canceled);
             }
-            SessionState::TransferDone | SessionState::ExitGranted | SessionState::Canceling
+            SessionState::TransferDone
+            | SessionState::ExitGranted
+            | SessionState::Canceling
             | SessionState::Exited => {}
             SessionState::Reserved
             | SessionState::AccessPending
@@ -127,7 +138,9 @@ impl Work<'_> {
                 return Err(format!("nobody knows where load {load} is"));
             }
         }
-        let Some(session) = self.cell.session_of(job) else { return Ok(()) };
+        let Some(session) = self.cell.session_of(job) else {
+            return Ok(());
+        };
         let from = session.faulted.map_or(session.state, |(from, _)| from);
         if from.is_docked() {
             let live = self.cell.live.mobiles.get(&session.mobile_robot);
@@ -138,12 +151,17 @@ impl Work<'_> {
             }
             return self.cell.dock_evidence(session);
         }
-        if session.assigned && !matches!(from, SessionState::TransferDone | SessionState::ExitGranted) {
+        if session.assigned
+            && !matches!(from, SessionState::TransferDone | SessionState::ExitGranted)
+        {
             let Some(seen) = self.cell.mobile_seen(&session.mobile_robot) else {
                 return Err(format!("{} is not heard", session.mobile_robot));
             };
             if !seen.mode.is_automatic() {
-                return Err(format!("{} is in mode {:?}", session.mobile_robot, seen.mode));
+                return Err(format!(
+                    "{} is in mode {:?}",
+                    session.mobile_robot, seen.mode
+                ));
             }
             if session.echoes && seen.order.is_none() {
                 return Err(format!("{} dropped its order", session.mobile_robot));
@@ -165,8 +183,18 @@ impl Work<'_> {
         {
             self.continue_session(&session);
         }
+        self.withdraw(job.id, "the job goes on");
         let begun = job.is_done(Phase::Precheck);
-        self.go(job.id, if begun { JobState::Execute } else { JobState::Starting }, Why::Course, "");
+        self.go(
+            job.id,
+            if begun {
+                JobState::Execute
+            } else {
+                JobState::Starting
+            },
+            Why::Course,
+            "",
+        );
     }
 
     /// SUSPENDED by a fault that may end by itself.
@@ -177,9 +205,11 @@ impl Work<'_> {
             Why::Course | Why::Awaiting | Why::Human { .. } | Why::DeadlinePassed => return,
         };
         // F12, F13: the arm leaves the zone first.
-        if let Some(step) = job.steps.iter().position(|s| {
-            s.plan.phase == Phase::BackOut && s.state == StepState::Running
-        }) {
+        if let Some(step) = job
+            .steps
+            .iter()
+            .position(|s| s.plan.phase == Phase::BackOut && s.state == StepState::Running)
+        {
             self.run_operations(job, step);
             return;
         }
@@ -196,7 +226,12 @@ impl Work<'_> {
         );
         if by_itself && self.may_resume(job).is_ok() {
             self.withdraw(job.id, "it is well again");
-            self.go(job.id, JobState::Unsuspending, job.why.clone(), "it is well again");
+            self.go(
+                job.id,
+                JobState::Unsuspending,
+                job.why.clone(),
+                "it is well again",
+            );
             return;
         }
         if fault == Fault::ModeChanged {
@@ -206,13 +241,20 @@ impl Work<'_> {
             let free = job.steps.iter().any(|s| {
                 s.plan.phase == Phase::PlaceApproach
                     && s.state == StepState::Running
-                    && s.plan.place.as_ref().and_then(|p| self.location_of(job, p)).is_some_and(
-                        |at| self.cell.is_free(&at),
-                    )
+                    && s.plan
+                        .place
+                        .as_ref()
+                        .and_then(|p| self.location_of(job, p))
+                        .is_some_and(|at| self.cell.is_free(&at))
             });
             if free {
                 self.withdraw(job.id, "the place is free");
-                self.go(job.id, JobState::Unsuspending, job.why.clone(), "the place is free");
+                self.go(
+                    job.id,
+                    JobState::Unsuspending,
+                    job.why.clone(),
+                    "the place is free",
+                );
             }
         }
     }
@@ -221,7 +263,11 @@ impl Work<'_> {
     pub(crate) fn add_back_out(&mut self, job: &Job) {
         let mut b = crate::job::plan::Builder::after(job.steps.len(), false);
         let step = b.then(Phase::BackOut, None, None);
-        self.emit(Fact::Planned { job: job.id, steps: b.steps(), drop: Vec::new() });
+        self.emit(Fact::Planned {
+            job: job.id,
+            steps: b.steps(),
+            drop: Vec::new(),
+        });
         if let Some(job) = self.job(job.id) {
             self.step_to(&job, step, StepState::Running, "");
         }
@@ -232,11 +278,16 @@ impl Work<'_> {
             return;
         }
         let stopping = job.state == JobState::Stopping;
+        if stopping && self.undo_needs_session(job) {
+            return;
+        }
         for (index, step) in job.steps.iter().enumerate() {
             let counts = !stopping || step.plan.undo;
-            let ready = step.plan.needs.iter().all(|need| {
-                job.step(*need).is_none_or(|s| s.state.is_done())
-            });
+            let ready = step
+                .plan
+                .needs
+                .iter()
+                .all(|need| job.step(*need).is_none_or(|s| s.state.is_done()));
             if counts && step.state == StepState::Pending && ready {
                 self.step_to(job, index, StepState::Running, "");
                 return;
@@ -258,7 +309,25 @@ impl Work<'_> {
         }
     }
 
-    /// Brings the PackML state in line with what the steps do. True if it had to change.
+    /// An undoing that has to enter the zone needs the session back, as soon as everything is well.
+    fn undo_needs_session(&mut self, job: &Job) -> bool {
+        let zone = job.steps.iter().any(|s| {
+            s.plan.undo
+                && !s.state.is_done()
+                && s.plan.place.as_ref().is_some_and(crate::PlaceRef::in_zone)
+        });
+        let Some(session) = self.cell.session_of(job).cloned() else {
+            return false;
+        };
+        let docked = session.faulted.is_some_and(|(from, _)| from.is_docked());
+        let needed = zone && docked && self.may_resume(job).is_ok();
+        if needed {
+            self.continue_session(&session);
+        }
+        needed
+    }
+
+    /// Brings the `PackML` state in line with what the steps do. True if it had to change.
     fn show(&mut self, job: &Job) -> bool {
         if job.state == JobState::Stopping {
             return false;
@@ -288,7 +357,12 @@ impl Work<'_> {
         }
         match (job.state, want) {
             (_, JobState::Suspended) => {
-                self.go(job.id, JobState::Suspending, Why::Awaiting, "it waits for the mobile robot");
+                self.go(
+                    job.id,
+                    JobState::Suspending,
+                    Why::Awaiting,
+                    "it waits for the mobile robot",
+                );
             }
             (JobState::Suspended, _) => {
                 self.go(job.id, JobState::Unsuspending, Why::Awaiting, "");
@@ -336,8 +410,9 @@ impl Work<'_> {
             Phase::Exit => match session {
                 Some(s) if s.state.is_docked() => self.begin_exit(job, &s, None),
                 // F19: the arm is free, the session stays open.
-                Some(s) if self.cell.book.question_of_session(s.id).is_some()
-                    && job.spec.workflow == crate::Workflow::DeliveryAndPlacement =>
+                Some(s)
+                    if self.cell.book.question_of_session(s.id).is_some()
+                        && job.spec.workflow == crate::Workflow::DeliveryAndPlacement =>
                 {
                     self.step_to(job, step, StepState::Succeeded, "the point stays occupied");
                 }
@@ -346,9 +421,11 @@ impl Work<'_> {
             },
             Phase::Transport => {
                 let under_way = job.mobile_robot.as_ref().is_some_and(|m| {
-                    self.cell.book.mobiles.get(m).is_some_and(|b| {
-                        b.transport.as_ref().is_some_and(|t| t.job == job.id)
-                    })
+                    self.cell
+                        .book
+                        .mobiles
+                        .get(m)
+                        .is_some_and(|b| b.transport.as_ref().is_some_and(|t| t.job == job.id))
                 });
                 if !under_way {
                     done(self);
@@ -356,15 +433,26 @@ impl Work<'_> {
             }
             Phase::Dismiss => self.dismiss(job, step),
             Phase::Close => {
-                self.emit(Fact::Released { by: Holder::Job(job.id), resources: None });
+                self.emit(Fact::Released {
+                    by: Holder::Job(job.id),
+                    resources: None,
+                });
                 done(self);
                 let undone = job.compensation != Compensation::None;
                 if undone {
                     let to = Compensation::Done;
                     self.emit(Fact::CompensationMoved { job: job.id, to });
                 }
-                let to = if found.plan.undo { JobState::Stopped } else { JobState::Complete };
-                let why = if found.plan.undo { job.why.clone() } else { Why::Course };
+                let to = if found.plan.undo {
+                    JobState::Stopped
+                } else {
+                    JobState::Complete
+                };
+                let why = if found.plan.undo {
+                    job.why.clone()
+                } else {
+                    Why::Course
+                };
                 self.go(job.id, to, why, job.text.clone());
             }
             Phase::Reserve

@@ -45,8 +45,20 @@ impl Work<'_> {
             let fixed = Some(PlaceRef::fixed(item.place.clone()));
             let delivery = job.spec.workflow == Workflow::DeliveryAndPlacement;
             let to = match policy {
-                OnCancel::Complete => if delivery { fixed } else { slot },
-                OnCancel::ReturnToMr => if delivery { slot } else { fixed },
+                OnCancel::Complete => {
+                    if delivery {
+                        fixed
+                    } else {
+                        slot
+                    }
+                }
+                OnCancel::ReturnToMr => {
+                    if delivery {
+                        slot
+                    } else {
+                        fixed
+                    }
+                }
                 OnCancel::RejectBin => job.spec.reject_slot.clone().map(PlaceRef::fixed),
                 OnCancel::Hold => None,
             };
@@ -61,7 +73,9 @@ impl Work<'_> {
             match choice {
                 Some(Choice::Repick) => {
                     for index in on_mr {
-                        let Some(item) = job.items.get(index) else { continue };
+                        let Some(item) = job.items.get(index) else {
+                            continue;
+                        };
                         let _clear = b.pick(index, &slot_of(&job.spec, item));
                         let _put = b.put(index, &PlaceRef::fixed(item.place.clone()));
                     }
@@ -78,8 +92,15 @@ impl Work<'_> {
         let drop = (0..job.steps.len())
             .filter(|i| job.step(*i).is_some_and(|s| !s.state.is_done()))
             .collect();
-        self.emit(Fact::Planned { job: job.id, steps: b.steps(), drop });
-        self.emit(Fact::CompensationMoved { job: job.id, to: Compensation::Running });
+        self.emit(Fact::Planned {
+            job: job.id,
+            steps: b.steps(),
+            drop,
+        });
+        self.emit(Fact::CompensationMoved {
+            job: job.id,
+            to: Compensation::Running,
+        });
         if let Some(session) = session
             && session.state == SessionState::Faulted
             && docked
@@ -98,10 +119,13 @@ impl Work<'_> {
             .iter()
             .enumerate()
             .filter(|(_, item)| {
-                item.load.as_ref().and_then(|l| self.cell.book.custody.of(l)).is_some_and(|at| {
-                    matches!(at, Location::MobileRobot { mobile_robot, .. }
+                item.load
+                    .as_ref()
+                    .and_then(|l| self.cell.book.custody.of(l))
+                    .is_some_and(|at| {
+                        matches!(at, Location::MobileRobot { mobile_robot, .. }
                         if Some(mobile_robot) == job.mobile_robot.as_ref())
-                })
+                    })
             })
             .map(|(index, _)| index)
             .collect()
@@ -121,10 +145,20 @@ impl Work<'_> {
             answers.push(Answer::RejectBin);
         }
         answers.push(Answer::SetCustody);
-        self.note(job.id, Fault::CanceledWithLoad, "canceled with a load in the gripper");
-        self.emit(Fact::CompensationMoved { job: job.id, to: Compensation::Blocked });
+        self.note(
+            job.id,
+            Fault::CanceledWithLoad,
+            "canceled with a load in the gripper",
+        );
+        self.emit(Fact::CompensationMoved {
+            job: job.id,
+            to: Compensation::Blocked,
+        });
         let known = self.known_of(job);
-        let load = job.arm.as_ref().and_then(|a| self.cell.book.custody.in_gripper(a));
+        let load = job
+            .arm
+            .as_ref()
+            .and_then(|a| self.cell.book.custody.in_gripper(a));
         let load = load.map(str::to_owned);
         self.ask(Ask {
             job: Some(job.id),
@@ -139,12 +173,16 @@ impl Work<'_> {
     }
 
     fn ask_left(&mut self, job: &Job) {
-        self.emit(Fact::CompensationMoved { job: job.id, to: Compensation::Blocked });
+        self.emit(Fact::CompensationMoved {
+            job: job.id,
+            to: Compensation::Blocked,
+        });
         let known = self.known_of(job);
         self.ask(Ask {
             job: Some(job.id),
             fault: Fault::Canceled,
-            question: "The job was canceled with loads on the mobile robot. What about them?".into(),
+            question: "The job was canceled with loads on the mobile robot. What about them?"
+                .into(),
             known,
             unknown: vec!["whether they should stay on it".into()],
             answers: vec![Answer::SendBack, Answer::Repick],
@@ -187,7 +225,19 @@ impl Work<'_> {
 
     /// F2, F13: the same point, a new order.
     pub(crate) fn redispatch(&mut self, job: &Job) {
-        let Some(session) = self.cell.session_of(job).cloned() else { return };
+        let Some(session) = self.cell.session_of(job).cloned() else {
+            return;
+        };
+        let clear = self
+            .cell
+            .setup
+            .point(&session.point)
+            .is_some_and(|p| !self.cell.arm_may_be_in(p));
+        let begun = session.state != SessionState::Reserved;
+        if begun && !session.state.may_become(SessionState::Reserved) || !clear {
+            // It is past the point where a new order would help.
+            return;
+        }
         if let Some(order) = session.order {
             self.tell(&session, Message::MovePermit { granted: false });
             self.tell(&session, Message::CancelOrder { order });
@@ -195,7 +245,10 @@ impl Work<'_> {
         if session.state != SessionState::Reserved {
             self.move_session(&session, SessionState::Reserved);
         }
-        self.emit(Fact::SessionRewound { session: session.id, to: Rewind::Order });
+        self.emit(Fact::SessionRewound {
+            session: session.id,
+            to: Rewind::Order,
+        });
         self.emit(Fact::Redispatched { job: job.id });
         let again = [
             Phase::Call,
@@ -207,25 +260,44 @@ impl Work<'_> {
         ];
         for phase in again {
             if let Some(step) = job.find(phase)
-                && job.step(step).is_some_and(|s| s.state != StepState::Pending)
+                && job
+                    .step(step)
+                    .is_some_and(|s| s.state != StepState::Pending)
             {
                 let to = StepState::Pending;
                 let text = "a new order".to_owned();
-                self.emit(Fact::StepMoved { job: job.id, step, to, attempt: 0, text });
+                self.emit(Fact::StepMoved {
+                    job: job.id,
+                    step,
+                    to,
+                    attempt: 0,
+                    text,
+                });
             }
         }
     }
 
     /// F13: when it is automatic again, but not where it was, it gets a new order.
     pub(crate) fn redispatch_if_automatic(&mut self, job: &Job) {
-        let Some(session) = self.cell.session_of(job).cloned() else { return };
-        let Some(seen) = self.cell.mobile_seen(&session.mobile_robot).cloned() else { return };
+        let Some(session) = self.cell.session_of(job).cloned() else {
+            return;
+        };
+        let Some(seen) = self.cell.mobile_seen(&session.mobile_robot).cloned() else {
+            return;
+        };
         let well = seen.mode.is_automatic() && !seen.errors.iter().any(|e| e.fatal);
         let gone = (session.echoes && seen.order.is_none())
             || session.docked.is_some_and(|d| {
-                self.cell.setup.point(&session.point).is_some_and(|p| !seen.pose.within(&d, p.tolerance))
+                self.cell
+                    .setup
+                    .point(&session.point)
+                    .is_some_and(|p| !seen.pose.within(&d, p.tolerance))
             });
-        let clear = self.cell.setup.point(&session.point).is_some_and(|p| !self.cell.arm_may_be_in(p));
+        let clear = self
+            .cell
+            .setup
+            .point(&session.point)
+            .is_some_and(|p| !self.cell.arm_may_be_in(p));
         let ready = job.arm.as_ref().is_some_and(|a| self.cell.arm_ready(a));
         if well
             && gone
@@ -238,7 +310,14 @@ impl Work<'_> {
             self.redispatch(job);
             self.withdraw(job.id, "it gets a new order");
             let text = "the mobile robot is automatic again";
-            self.go(job.id, JobState::Unsuspending, Why::Fault { fault: Fault::ModeChanged }, text);
+            self.go(
+                job.id,
+                JobState::Unsuspending,
+                Why::Fault {
+                    fault: Fault::ModeChanged,
+                },
+                text,
+            );
         }
     }
 }

@@ -23,17 +23,26 @@ impl Work<'_> {
             Some(order) => (order, session.update),
             None => (self.ids.next_id(), 1),
         };
-        self.emit(Fact::SessionOrdered { session: session.id, order, update });
-        let point = self.cell.setup.point(&session.point).cloned();
-        let then_to = self.job(session.job).and_then(|j| j.spec.destination.clone());
-        self.tell(session, Message::TransportOrder {
+        self.emit(Fact::SessionOrdered {
+            session: session.id,
             order,
             update,
-            goal: session.point.clone(),
-            dock: point.as_ref().map(|p| p.dock),
-            route: point.map(|p| p.route).unwrap_or_default(),
-            then_to,
         });
+        let point = self.cell.setup.point(&session.point).cloned();
+        let then_to = self
+            .job(session.job)
+            .and_then(|j| j.spec.destination.clone());
+        self.tell(
+            session,
+            Message::TransportOrder {
+                order,
+                update,
+                goal: session.point.clone(),
+                dock: point.as_ref().map(|p| p.dock),
+                route: point.map(|p| p.route).unwrap_or_default(),
+                then_to,
+            },
+        );
     }
 
     /// A7, B8: everything the arm needs to enter.
@@ -43,7 +52,9 @@ impl Work<'_> {
             && self.cell.dock_evidence(session).is_ok()
         {
             self.move_session(session, SessionState::TransferReady);
-            let Some(session) = self.session(session.id) else { return };
+            let Some(session) = self.session(session.id) else {
+                return;
+            };
             self.move_session(&session, SessionState::Transferring);
             self.tell(&session, Message::CellReady);
         }
@@ -53,7 +64,12 @@ impl Work<'_> {
     pub(crate) fn begin_exit(&mut self, job: &Job, session: &Session, failed: Option<&str>) {
         self.move_session(session, SessionState::TransferDone);
         if let Some(reason) = failed {
-            self.tell(session, Message::TransferFailed { reason: reason.to_owned() });
+            self.tell(
+                session,
+                Message::TransferFailed {
+                    reason: reason.to_owned(),
+                },
+            );
             return;
         }
         self.tell(session, Message::TransferDone);
@@ -62,15 +78,22 @@ impl Work<'_> {
         {
             // The leaving edge was in the horizon until now; this update releases it.
             let update = session.update + 1;
-            self.emit(Fact::SessionOrdered { session: session.id, order, update });
-            self.tell(session, Message::TransportOrder {
+            self.emit(Fact::SessionOrdered {
+                session: session.id,
                 order,
                 update,
-                goal: destination.clone(),
-                dock: None,
-                route: Vec::new(),
-                then_to: None,
             });
+            self.tell(
+                session,
+                Message::TransportOrder {
+                    order,
+                    update,
+                    goal: destination.clone(),
+                    dock: None,
+                    route: Vec::new(),
+                    then_to: None,
+                },
+            );
             self.emit(Fact::TransportBegun {
                 mobile_robot: session.mobile_robot.clone(),
                 job: job.id,
@@ -82,12 +105,17 @@ impl Work<'_> {
 
     /// The report of loads: `None` while there is none.
     fn report(&self, job: &Job) -> Option<Vec<SlotLoad>> {
-        self.cell.mobile_seen(job.mobile_robot.as_ref()?)?.loads.clone()
+        self.cell
+            .mobile_seen(job.mobile_robot.as_ref()?)?
+            .loads
+            .clone()
     }
 
     /// A6. Unknown loads get a name; whatever does not fit waits for the timer.
     pub(crate) fn verify_load(&mut self, job: &Job, step: usize) {
-        let Some(mobile_robot) = job.mobile_robot.clone() else { return };
+        let Some(mobile_robot) = job.mobile_robot.clone() else {
+            return;
+        };
         let report = self.report(job);
         if report.is_none() && !job.loads_accepted {
             return;
@@ -119,8 +147,8 @@ impl Work<'_> {
                 None => booked.is_none(),
                 Some(location) => *location == at,
             };
-            let claimed = item.load.is_some()
-                || self.cell.book.claims.is_free(&Resource::Load(load.clone()));
+            let claimed =
+                item.load.is_some() || self.cell.book.claims.is_free(&Resource::Load(load.clone()));
             let twice = named.iter().any(|(_, other, _)| *other == load);
             if !(fits || job.loads_accepted) || !agrees || !claimed || twice {
                 return;
@@ -128,7 +156,9 @@ impl Work<'_> {
             named.push((index, load, location.is_none()));
         }
         for (index, load, new) in named {
-            let Some(item) = job.items.get(index) else { continue };
+            let Some(item) = job.items.get(index) else {
+                continue;
+            };
             if new {
                 self.emit(Fact::LoadRegistered {
                     load: load.clone(),
@@ -141,9 +171,19 @@ impl Work<'_> {
             }
             if item.load.is_none() {
                 let resources = vec![Resource::Load(load.clone())];
-                self.emit(Fact::Claimed { by: Holder::Job(job.id), resources });
-                let to = Item { load: Some(load), ..item.clone() };
-                self.emit(Fact::ItemChanged { job: job.id, item: index, to });
+                self.emit(Fact::Claimed {
+                    by: Holder::Job(job.id),
+                    resources,
+                });
+                let to = Item {
+                    load: Some(load),
+                    ..item.clone()
+                };
+                self.emit(Fact::ItemChanged {
+                    job: job.id,
+                    item: index,
+                    to,
+                });
             }
         }
         self.step_to(job, step, StepState::Succeeded, "the loads are right");
@@ -168,17 +208,23 @@ impl Work<'_> {
         else {
             return false;
         };
-        let Some(setup) = self.cell.setup.mobile_robot(&mobile_robot).cloned() else { return false };
+        let Some(setup) = self.cell.setup.mobile_robot(&mobile_robot).cloned() else {
+            return false;
+        };
         let mut changed = false;
         let mut items = job.items.clone();
         for index in 0..items.len() {
-            let Some(item) = items.get(index).cloned() else { continue };
+            let Some(item) = items.get(index).cloned() else {
+                continue;
+            };
             if !report.iter().any(|l| l.slot == item.slot) {
                 continue;
             }
             let free = setup.slots.iter().find(|slot| {
-                let place =
-                    PlaceRef::MobileRobot { point: job.spec.point.clone(), slot: (*slot).clone() };
+                let place = PlaceRef::MobileRobot {
+                    point: job.spec.point.clone(),
+                    slot: (*slot).clone(),
+                };
                 let at = Location::MobileRobot {
                     mobile_robot: mobile_robot.clone(),
                     slot: (*slot).clone(),
@@ -188,17 +234,27 @@ impl Work<'_> {
                     && self.cell.setup.is_taught(&arm, &place)
                     && self.cell.is_free(&at)
             });
-            let Some(slot) = free.cloned() else { return false };
+            let Some(slot) = free.cloned() else {
+                return false;
+            };
             let to = Item { slot, ..item };
             if let Some(place) = items.get_mut(index) {
                 *place = to.clone();
             }
-            self.emit(Fact::ItemChanged { job: job.id, item: index, to: to.clone() });
+            self.emit(Fact::ItemChanged {
+                job: job.id,
+                item: index,
+                to: to.clone(),
+            });
             let place = slot_of(&job.spec, &to);
             for (number, step) in job.steps.iter().enumerate() {
                 let there = step.plan.place.as_ref().is_some_and(PlaceRef::in_zone);
                 if there && step.plan.item == Some(index) && step.state == StepState::Pending {
-                    self.emit(Fact::StepRedirected { job: job.id, step: number, place: place.clone() });
+                    self.emit(Fact::StepRedirected {
+                        job: job.id,
+                        step: number,
+                        place: place.clone(),
+                    });
                 }
             }
             changed = true;
@@ -211,24 +267,36 @@ impl Work<'_> {
         let report = self.report(job);
         let there = |item: &Item| {
             report.as_ref().is_some_and(|r| {
-                r.iter().any(|l| {
-                    l.slot == item.slot && (l.load.is_none() || l.load == item.load)
-                })
+                r.iter()
+                    .any(|l| l.slot == item.slot && (l.load.is_none() || l.load == item.load))
             })
         };
         if job.loads_accepted || job.items.iter().all(there) {
-            self.step_to(job, step, StepState::Succeeded, "the loads are on the mobile robot");
+            self.step_to(
+                job,
+                step,
+                StepState::Succeeded,
+                "the loads are on the mobile robot",
+            );
         }
     }
 
     /// F4, F4', F5: a human looks at the loads. The arm does not move.
     pub(crate) fn load_question(&mut self, job: &Job, fault: Fault, text: &str) {
-        let on_mr = job.current().and_then(|s| job.step(s)).map(|s| s.plan.phase)
+        let on_mr = job
+            .current()
+            .and_then(|s| job.step(s))
+            .map(|s| s.plan.phase)
             == Some(Phase::VerifyOnMr);
         let answers = if on_mr {
             vec![Answer::Rescan, Answer::Repick, Answer::Accept, Answer::Hold]
         } else {
-            vec![Answer::Rescan, Answer::Accept, Answer::SendBack, Answer::Cancel]
+            vec![
+                Answer::Rescan,
+                Answer::Accept,
+                Answer::SendBack,
+                Answer::Cancel,
+            ]
         };
         let mut known = self.known_of(job);
         known.push(match self.report(job) {
@@ -244,17 +312,36 @@ impl Work<'_> {
             ..Ask::default()
         };
         let state = Some(JobState::Holding);
-        self.react(job, Reaction { fault, text: text.into(), state, ask: Some(ask), ..Reaction::default() });
+        self.react(
+            job,
+            Reaction {
+                fault,
+                text: text.into(),
+                state,
+                ask: Some(ask),
+                ..Reaction::default()
+            },
+        );
     }
 
     /// F3.
     pub(crate) fn dock_failed(&mut self, session: &Session, text: &str) {
-        let Some(job) = self.job(session.job) else { return };
+        let Some(job) = self.job(session.job) else {
+            return;
+        };
         let tries = session.dock_tries;
-        self.emit(Fact::SessionRewound { session: session.id, to: Rewind::Dock });
+        self.emit(Fact::SessionRewound {
+            session: session.id,
+            to: Rewind::Dock,
+        });
         let retries = self.cell.setup.timers.dock_retries;
-        let Some(step) = job.find(Phase::Dock) else { return };
-        let used = job.step(step).map_or(0, |s| s.resends).max(tries.saturating_sub(1));
+        let Some(step) = job.find(Phase::Dock) else {
+            return;
+        };
+        let used = job
+            .step(step)
+            .map_or(0, |s| s.resends)
+            .max(tries.saturating_sub(1));
         if used < retries {
             self.note(job.id, Fault::DockFailed, text);
             self.emit(Fact::StepResent { job: job.id, step });
@@ -270,26 +357,32 @@ impl Work<'_> {
         let mut known = self.known_of(&job);
         known.extend(measured.map(|p| format!("it docked at {p:?}")));
         let ask = Ask {
-            question: format!("{} cannot dock at {}: {text}", session.mobile_robot, session.point),
+            question: format!(
+                "{} cannot dock at {}: {text}",
+                session.mobile_robot, session.point
+            ),
             known,
             unknown: vec!["why it cannot".into()],
             answers,
             ..Ask::default()
         };
-        self.react(&job, Reaction {
-            fault: Fault::DockFailed,
-            text: text.into(),
-            state: Some(JobState::Suspending),
-            ask: Some(ask),
-            ..Reaction::default()
-        });
+        self.react(
+            &job,
+            Reaction {
+                fault: Fault::DockFailed,
+                text: text.into(),
+                state: Some(JobState::Suspending),
+                ask: Some(ask),
+                ..Reaction::default()
+            },
+        );
     }
 
     /// F6: an alternate place, or the job stops before anything moved.
     pub(crate) fn unreachable(&mut self, job: &Job, step: usize, failure: &PoseFailure) {
         let item = failure.target / 6;
-        let of_place = (failure.target % 6 >= 3)
-            == (job.spec.workflow == Workflow::DeliveryAndPlacement);
+        let of_place =
+            (failure.target % 6 >= 3) == (job.spec.workflow == Workflow::DeliveryAndPlacement);
         let text = match job.items.get(item) {
             Some(i) => {
                 let place = if of_place { &i.place } else { &i.slot };
@@ -307,7 +400,14 @@ impl Work<'_> {
             }
             return;
         }
-        self.go(job.id, JobState::Stopping, Why::Fault { fault: Fault::Unreachable }, text);
+        self.go(
+            job.id,
+            JobState::Stopping,
+            Why::Fault {
+                fault: Fault::Unreachable,
+            },
+            text,
+        );
     }
 
     /// Takes the next alternate that is free, reachable by teaching and not claimed. The old place is given back.
@@ -319,7 +419,15 @@ impl Work<'_> {
         while !rest.is_empty() {
             let place = rest.remove(0);
             if self.place_usable(&arm, &place) {
-                self.redirect(job, item, Item { place, alternates: rest, ..old });
+                self.redirect(
+                    job,
+                    item,
+                    Item {
+                        place,
+                        alternates: rest,
+                        ..old
+                    },
+                );
                 return true;
             }
         }
@@ -327,36 +435,67 @@ impl Work<'_> {
     }
 
     pub(crate) fn place_usable(&self, arm: &str, place: &str) -> bool {
-        let at = Location::Fixed { place: place.to_owned() };
+        let at = Location::Fixed {
+            place: place.to_owned(),
+        };
         self.cell.setup.place(place).is_some()
             && self.cell.setup.is_taught(arm, &PlaceRef::fixed(place))
             && self.cell.is_free(&at)
-            && self.cell.book.claims.is_free(&Resource::Place(place.to_owned()))
+            && self
+                .cell
+                .book
+                .claims
+                .is_free(&Resource::Place(place.to_owned()))
     }
 
     /// An item goes to another fixed place.
     pub(crate) fn redirect(&mut self, job: &Job, index: usize, to: Item) {
-        let Some(old) = job.items.get(index) else { return };
+        let Some(old) = job.items.get(index) else {
+            return;
+        };
         let by = Holder::Job(job.id);
         let back = vec![Resource::Place(old.place.clone())];
-        self.emit(Fact::Released { by, resources: Some(back) });
-        if self.cell.setup.is_single(&Location::Fixed { place: to.place.clone() }) {
-            self.emit(Fact::Claimed { by, resources: vec![Resource::Place(to.place.clone())] });
+        self.emit(Fact::Released {
+            by,
+            resources: Some(back),
+        });
+        if self.cell.setup.is_single(&Location::Fixed {
+            place: to.place.clone(),
+        }) {
+            self.emit(Fact::Claimed {
+                by,
+                resources: vec![Resource::Place(to.place.clone())],
+            });
         }
         let place = PlaceRef::fixed(to.place.clone());
-        self.emit(Fact::ItemChanged { job: job.id, item: index, to });
+        self.emit(Fact::ItemChanged {
+            job: job.id,
+            item: index,
+            to,
+        });
         for (number, step) in job.steps.iter().enumerate() {
             let there = step.plan.place.as_ref().is_some_and(|p| !p.in_zone());
             if there && step.plan.item == Some(index) && !step.state.is_done() {
-                self.emit(Fact::StepRedirected { job: job.id, step: number, place: place.clone() });
+                self.emit(Fact::StepRedirected {
+                    job: job.id,
+                    step: number,
+                    place: place.clone(),
+                });
             }
         }
     }
 
     /// F18: is the target still free? If not: alternates, then back while it is docked, then a human.
     pub(crate) fn target_blocked(&mut self, job: &Job, step: usize) -> bool {
-        let Some(found) = job.step(step) else { return false };
-        let Some(at) = found.plan.place.as_ref().and_then(|p| self.location_of(job, p)) else {
+        let Some(found) = job.step(step) else {
+            return false;
+        };
+        let Some(at) = found
+            .plan
+            .place
+            .as_ref()
+            .and_then(|p| self.location_of(job, p))
+        else {
             return false;
         };
         if self.cell.is_free(&at) {
@@ -371,7 +510,10 @@ impl Work<'_> {
             self.note(job.id, Fault::TargetBlocked, text);
             return true;
         }
-        let docked = self.cell.session_of(job).is_some_and(|s| s.state.is_docked());
+        let docked = self
+            .cell
+            .session_of(job)
+            .is_some_and(|s| s.state.is_docked());
         let mut answers = vec![Answer::Wait];
         if fixed {
             answers.push(Answer::ChooseSlot);
@@ -389,13 +531,16 @@ impl Work<'_> {
             answers,
             ..Ask::default()
         };
-        self.react(job, Reaction {
-            fault: Fault::TargetBlocked,
-            text,
-            state: Some(JobState::Suspending),
-            ask: Some(ask),
-            ..Reaction::default()
-        });
+        self.react(
+            job,
+            Reaction {
+                fault: Fault::TargetBlocked,
+                text,
+                state: Some(JobState::Suspending),
+                ask: Some(ask),
+                ..Reaction::default()
+            },
+        );
         true
     }
 }
