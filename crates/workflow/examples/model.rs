@@ -16,6 +16,7 @@ fn main() {
         jogs: 1,
         drives: 1,
         lies: 1,
+        give_ups: 1,
     };
     let start = std::time::Instant::now();
     let checker = Handover {

@@ -123,6 +123,8 @@ pub struct MobileTruth {
     pub reports_loads: bool,
     pub lies_slot: Option<(String, Option<String>)>,
     pub got: Vec<Message>,
+    /// The last message it has read; the others wait in its outbox.
+    pub read: u64,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -360,6 +362,7 @@ impl World {
             reports_loads: true,
             lies_slot: None,
             got: vec![],
+            read: 0,
         };
         let mut world = Self {
             now: 1_000,
@@ -411,9 +414,19 @@ impl World {
                     .all(|(_, p)| *p == workflow::Permit::None),
             "I7"
         );
+        self.fetch();
         let jobs_may_act = self.may_act;
         let _reply = self.input(Input::Control { jobs_may_act }).unwrap();
         self.look();
+    }
+
+    /// Every mobile robot asks for what it has not read.
+    fn fetch(&mut self) {
+        for id in self.mobiles.keys().cloned().collect::<Vec<_>>() {
+            for out in self.cell.outbox(&id, self.mobiles[&id].read) {
+                self.obey(&id, out);
+            }
+        }
     }
 
     /// The process dies and comes back: everything volatile is gone, the journal is not.
@@ -722,6 +735,10 @@ impl World {
         self.log
             .push(format!("{now:>7} tell {id} {:?}", out.message));
         m.session = out.session.or(m.session);
+        if out.n <= m.read {
+            return;
+        }
+        m.read = out.n;
         m.got.push(out.message.clone());
         match out.message {
             Message::TransportOrder {
