@@ -1,5 +1,21 @@
 //! F1 to F24 in both workflows, each by its name in the matrix.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    clippy::wildcard_enum_match_arm,
+    clippy::panic,
+    clippy::cast_possible_truncation,
+    clippy::print_stdout,
+    clippy::too_many_lines,
+    clippy::struct_excessive_bools,
+    clippy::type_complexity,
+    clippy::enum_glob_use,
+    clippy::manual_is_multiple_of,
+    clippy::match_same_arms,
+    reason = "a test stops where it is wrong"
+)]
+
 mod world;
 
 use uuid::Uuid;
@@ -187,6 +203,23 @@ fn f02(which: Which) {
     assert_eq!(permit(&w), Permit::None);
     m1(&mut w).arrives = true;
     let _reply = w.answer(Answer::Redispatch, Detail::None).unwrap();
+    w.complete(job);
+}
+
+#[test]
+fn f02_an_arm_left_in_the_zone_is_named_and_driven_out_on_request() {
+    let mut w = World::new();
+    r1(&mut w).at = Some(workflow::Target::LiftOf {
+        place: world::slot("s1"),
+    });
+    let _never = w.run(1_000, |_| false);
+    let job = start(&mut w, A);
+    until_asked(&mut w, Fault::ArrivalLate);
+    assert_eq!(permit(&w), Permit::None);
+    until(&mut w, job, JobState::Suspended);
+    let known = w.open_question().unwrap().question.known;
+    assert!(known.iter().any(|k| k.contains("in the zone")), "{known:?}");
+    let _reply = w.answer(Answer::Retreat, Detail::None).unwrap();
     w.complete(job);
 }
 

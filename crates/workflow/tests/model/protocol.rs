@@ -15,6 +15,8 @@
     clippy::unwrap_used,
     clippy::indexing_slicing,
     clippy::too_many_lines,
+    clippy::wildcard_enum_match_arm,
+    clippy::struct_excessive_bools,
     reason = "a model: a wrong index is a bug of the model"
 )]
 
@@ -292,7 +294,8 @@ impl Handover {
             SessionState::Transferring if permit == Permit::ArmEntry => {
                 let a = &s.arms[usize::from(s.visit)];
                 let out = a.done == 2 && Self::arms_clear(s);
-                if !out && !(self.is(Weakened::ExitWithoutClearArm) && a.done > 0) {
+                let early = self.is(Weakened::ExitWithoutClearArm) && a.done > 0;
+                if !(out || early) {
                     return None;
                 }
                 (n.session, n.granted, n.outbox_permit) = (SessionState::ExitGranted, true, true);

@@ -718,6 +718,10 @@ impl World {
         assert!(!other, "two arms in the zone");
     }
 
+    #[allow(
+        clippy::unused_self,
+        reason = "reads like the other questions to the world"
+    )]
     pub fn arm_inside(&self, arm: &ArmTruth) -> bool {
         let inside = |t: &Target| t.place().is_some_and(PlaceRef::in_zone);
         arm.at.as_ref().is_some_and(inside)
