@@ -501,6 +501,10 @@ impl Work<'_> {
         if self.cell.is_free(&at) {
             return false;
         }
+        let asked = self.cell.book.question_of(job.id);
+        if asked.is_some_and(|q| q.question.fault == Fault::TargetBlocked) {
+            return true;
+        }
         let text = format!("{at} is not free");
         let fixed = matches!(at, Location::Fixed { .. });
         if let (true, false, Some(item)) = (fixed, found.plan.undo, found.plan.item)
