@@ -111,6 +111,9 @@ impl Work<'_> {
             .clone()
     }
 
+    /// ASSUMPTION: "extra" loads are those in the slots of this job; what stands in other slots of the mobile robot is
+    /// somebody else's. A rescan is waiting for the next report: the outbox has no word that asks for one.
+    ///
     /// A6. Unknown loads get a name; whatever does not fit waits for the timer.
     pub(crate) fn verify_load(&mut self, job: &Job, step: usize) {
         let Some(mobile_robot) = job.mobile_robot.clone() else {
