@@ -18,14 +18,14 @@ mod in_use;
 mod motion_arm;
 mod observe;
 mod outbox;
-mod push;
 mod places;
+mod push;
 mod start;
 mod told;
 
 pub use driver::StartError;
 pub(crate) use handle::{CellHandle, Refused, Told};
 pub(crate) use outbox::Outboxes;
-pub(crate) use push::push;
 pub(crate) use places::Span;
+pub(crate) use push::push;
 pub(crate) use start::Parts;
