@@ -75,6 +75,7 @@ mod target;
 mod wire_bodies;
 
 pub use self::journal::{JournalError, SharedJournal, open as open_journal};
+pub use cell::StartError as CellStartError;
 pub use clock::{SystemClock, WallClock};
 pub use config::{ConfigError, Plan};
 pub use connections::Listener;

@@ -119,6 +119,54 @@ pub struct Seams<C> {
     pub journal: SharedJournal,
 }
 
+/// What a robot's parts are made of.
+struct RobotParts<'a, C> {
+    metrics: &'a Metrics,
+    connector: &'a Arc<C>,
+    clock: &'a Arc<dyn WallClock>,
+    journal: &'a SharedJournal,
+    tracker: &'a TaskTracker,
+    stop: &'a CancellationToken,
+}
+
+impl<C: Connector> RobotParts<'_, C> {
+    fn start(&self, plan: RobotPlan) -> Arc<Robot> {
+        let plan = Arc::new(plan);
+        let motions = Arc::new(Motions::new(
+            Arc::clone(&plan),
+            Arc::clone(self.clock),
+            self.journal.clone(),
+            self.tracker.clone(),
+        ));
+        let metrics = self.metrics.link(&plan);
+        let link = match plan.tier {
+            Tier::Seed | Tier::SeedStatus => {
+                let owner = Owner {
+                    plan: Arc::clone(&plan),
+                    motions: Arc::clone(&motions),
+                    connector: Arc::clone(self.connector),
+                    metrics: metrics.clone(),
+                };
+                RobotLink::Seed(link::spawn(owner, self.tracker, self.stop.clone()))
+            }
+            Tier::CellServer => RobotLink::CellServer(cell_server::spawn(
+                CellServerPlan::of(&plan, self.metrics.controller_link(&plan)),
+                Arc::clone(self.connector),
+                Arc::clone(&motions),
+                self.journal.epoch().0,
+                self.tracker,
+                self.stop.clone(),
+            )),
+        };
+        Arc::new(Robot {
+            plan,
+            link,
+            motions,
+            metrics,
+        })
+    }
+}
+
 impl App {
     /// Takes up what the journal knows, and starts the links. They end once `stop` is cancelled; `tracker` waits for them.
     pub(crate) async fn start<C: Connector>(
@@ -133,41 +181,13 @@ impl App {
         let connector = Arc::new(seams.connector);
         let clock = seams.clock;
         let journal = seams.journal;
-        let start_robot = |plan: RobotPlan| {
-            let plan = Arc::new(plan);
-            let motions = Arc::new(Motions::new(
-                Arc::clone(&plan),
-                Arc::clone(&clock),
-                journal.clone(),
-                tracker.clone(),
-            ));
-            let controller = metrics.controller_link(&plan);
-            let metrics = metrics.link(&plan);
-            let link = match plan.tier {
-                Tier::Seed | Tier::SeedStatus => {
-                    let owner = Owner {
-                        plan: Arc::clone(&plan),
-                        motions: Arc::clone(&motions),
-                        connector: Arc::clone(&connector),
-                        metrics: metrics.clone(),
-                    };
-                    RobotLink::Seed(link::spawn(owner, tracker, stop.clone()))
-                }
-                Tier::CellServer => RobotLink::CellServer(cell_server::spawn(
-                    CellServerPlan::of(&plan, controller),
-                    Arc::clone(&connector),
-                    Arc::clone(&motions),
-                    journal.epoch().0,
-                    tracker,
-                    stop.clone(),
-                )),
-            };
-            Arc::new(Robot {
-                plan,
-                link,
-                motions,
-                metrics,
-            })
+        let parts = RobotParts {
+            metrics: &metrics,
+            connector: &connector,
+            clock: &clock,
+            journal: &journal,
+            tracker,
+            stop,
         };
         let audit: Arc<dyn AuditSink> = Arc::new(TracingAudit);
         let epochs: Arc<dyn EpochStore> = Arc::new(MemoryEpochs::default());
@@ -183,7 +203,11 @@ impl App {
             .into_iter()
             .map(|cell| {
                 let control = start_control(&cell.id);
-                let robots: Vec<_> = cell.robots.into_iter().map(start_robot).collect();
+                let robots: Vec<_> = cell
+                    .robots
+                    .into_iter()
+                    .map(|plan| parts.start(plan))
+                    .collect();
                 let plans = robots.iter().map(|robot| Arc::clone(&robot.plan)).collect();
                 let setup = SetupBook::open(cell.setup.as_ref(), plans);
                 let setup = Arc::new(setup.map_err(ServeError::Setup)?);

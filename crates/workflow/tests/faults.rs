@@ -927,6 +927,42 @@ fn f21(which: Which) {
     }
 }
 
+/// P4 to P13: the process dies after every single record, before anything of it was carried out; and once more right
+/// after the first record of the recovery.
+#[test]
+fn f21_a_restart_after_every_record_ends_in_the_same_place() {
+    for which in [A, B] {
+        for again in [false, true] {
+            let mut at = 3;
+            loop {
+                let mut w = World::new();
+                w.crash_at = vec![at];
+                if again {
+                    w.crash_at.push(at + 1);
+                }
+                let mut spec = if which == A { delivery() } else { pickup() };
+                spec.prefetch = which == B;
+                let job = w.create(spec);
+                let ok = w.run(200_000, |w| w.state(job) == JobState::Complete);
+                assert!(
+                    ok,
+                    "record {at}: {:?} {:?}\n{}",
+                    w.state(job),
+                    w.open_question(),
+                    w.story()
+                );
+                w.judge_custody();
+                assert!(w.asked.is_empty(), "record {at}: nobody had to be asked");
+                if w.crashes == 0 {
+                    assert!(at > 15, "{at} records");
+                    break;
+                }
+                at += 1;
+            }
+        }
+    }
+}
+
 #[test]
 fn f21_an_interrupted_grip_is_never_guessed() {
     let mut w = World::new();

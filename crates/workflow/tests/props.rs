@@ -200,7 +200,7 @@ fn input(cell: &Cell, now: u64, kind: u8, n: u64, seq: &mut u64) -> Input {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 96, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
 
     #[test]
     fn any_sequence_of_inputs_is_survived(script in prop::collection::vec((any::<u8>(), 0_u64..3000, 0_u64..4000), 1..150)) {

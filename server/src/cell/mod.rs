@@ -14,6 +14,7 @@ mod clock;
 mod driver;
 mod handle;
 mod ids;
+mod in_use;
 mod motion_arm;
 mod observe;
 mod outbox;

@@ -14,7 +14,7 @@ use crate::link::cell_server::{CellServerLink, ControllerView};
 use crate::setup::SetupBook;
 
 /// Even where nothing changes the cell is told this often, so that silence means something.
-const AT_LEAST: Duration = Duration::from_millis(1_000);
+const AT_LEAST: Duration = Duration::from_secs(1);
 /// The part sensor.
 const PART_INPUT: u8 = 3;
 /// FANUC's facility of servo alarms, in an alarm's number.

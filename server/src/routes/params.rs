@@ -190,6 +190,7 @@ mod tests {
         Page::of(&format!("/motions?{query}").parse().unwrap())
     }
 
+    /// Covers: R8.
     #[test]
     fn a_page_has_a_limit_and_a_beginning() {
         assert_eq!(page("").unwrap().limit, DEFAULT_PAGE);

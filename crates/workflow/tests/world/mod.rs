@@ -162,6 +162,9 @@ pub struct World {
     next_look: u64,
     /// The mobile robot is made to break the rules: then its driving is not our fault.
     pub rogue: bool,
+    /// Records kept so far, and the ones after which the process dies before it carried anything out.
+    pub records: usize,
+    pub crash_at: Vec<usize>,
 }
 
 pub fn slot(name: &str) -> PlaceRef {
@@ -396,6 +399,8 @@ impl World {
             crashes: 0,
             next_look: 0,
             rogue: false,
+            records: 0,
+            crash_at: vec![],
         };
         world.boot();
         world
@@ -414,18 +419,21 @@ impl World {
                     .all(|(_, p)| *p == workflow::Permit::None),
             "I7"
         );
-        self.fetch();
+        for id in self.mobiles.keys().cloned().collect::<Vec<_>>() {
+            self.fetch(&id, u64::MAX);
+        }
         let jobs_may_act = self.may_act;
         let _reply = self.input(Input::Control { jobs_may_act }).unwrap();
         self.look();
     }
 
-    /// Every mobile robot asks for what it has not read.
-    fn fetch(&mut self) {
-        for id in self.mobiles.keys().cloned().collect::<Vec<_>>() {
-            for out in self.cell.outbox(&id, self.mobiles[&id].read) {
-                self.obey(&id, out);
+    /// A mobile robot asks for what it has not read.
+    fn fetch(&mut self, id: &str, up_to: u64) {
+        for out in self.cell.outbox(id, self.mobiles[id].read) {
+            if out.n > up_to {
+                break;
             }
+            self.obey(id, out);
         }
     }
 
@@ -455,6 +463,7 @@ impl World {
         let decision = self.cell.decide(self.now, input, &mut self.ids)?;
         self.journal
             .extend(decision.facts.iter().filter(|f| f.is_durable()).cloned());
+        self.records += usize::from(decision.facts.iter().any(Fact::is_durable));
         let mut effects = Vec::new();
         for fact in &decision.facts {
             if let Fact::JobMoved { to, text, .. } = fact {
@@ -485,6 +494,10 @@ impl World {
         }
         let broken = self.cell.violations();
         assert!(broken.is_empty(), "{broken:?}\n{}", self.story());
+        if decision.facts.iter().any(Fact::is_durable) && self.crash_at.contains(&self.records) {
+            self.crash();
+            return Ok(decision.reply);
+        }
         if self.chance.hits(self.odds.crash) {
             // Kept, but only a part of the effects was carried out.
             let some = self.chance.below(effects.len() as u64 + 1) as usize;
@@ -547,10 +560,11 @@ impl World {
                     self.results.push((self.now + 100, op, result));
                 }
             }
+            // It reads its outbox in order; what was not fetched before a crash is still there.
             Effect::Tell {
                 mobile_robot,
                 message,
-            } => self.obey(&mobile_robot, message),
+            } => self.fetch(&mobile_robot, message.n),
             Effect::Ask { intervention } => self.asked.push(intervention),
             Effect::Remind { .. } => {}
         }
@@ -1059,7 +1073,7 @@ impl World {
             .collect();
         self.results.retain(|(at, ..)| *at > now);
         for (_, op, result) in due {
-            let linked = self.arms.values().any(|a| a.link && a.asked.contains(&op));
+            let linked = !self.arms.values().any(|a| !a.link && a.asked.contains(&op));
             if linked {
                 let _reply = self.input(Input::OperationEnded { op, result });
             }
