@@ -135,10 +135,6 @@ impl Prepared {
         self.config.start
     }
 
-    pub(crate) fn id(&self) -> &str {
-        &self.config.id
-    }
-
     /// Starts the robot; from then on the world and its slots are the same.
     ///
     /// # Errors

@@ -16,6 +16,7 @@ mod control;
 #[cfg(test)]
 mod control_tests;
 mod epochs;
+mod loss;
 mod machine;
 #[cfg(test)]
 mod machine_tests;
@@ -26,5 +27,6 @@ pub(crate) use clock::LeaseClock;
 pub(crate) use control::CellControl;
 pub use control::{ControlLoss, ControlNews, ControlObserver};
 pub use epochs::{EpochStore, MemoryEpochs, NextEpoch};
+pub(crate) use loss::OnLoss;
 pub(crate) use machine::{Force, Terms};
 pub(crate) use said::{AcquireError, Refused};

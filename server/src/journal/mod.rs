@@ -3,6 +3,7 @@
 //! Every record goes through here, so that one place knows whether the journal can be written, and notices a wall
 //! clock that was set.
 
+mod hooks;
 mod boxed;
 mod open;
 mod trouble;
@@ -21,6 +22,7 @@ use tokio::sync::watch;
 use tokio::time::Instant;
 
 use boxed::AnyJournal;
+pub(crate) use hooks::{JournalAudit, JournalEpochs};
 pub use open::{JournalError, open};
 pub(crate) use trouble::Trouble;
 
