@@ -9,6 +9,7 @@
 //!   ├─ Control ── who may move the robots of a cell: take it, keep it, give it back
 //!   ├─ CellSetup ── export, import, check, parts, teach, calibrate
 //!   ├─ Robot ── description, state, forward, inverse, motions
+//!   ├─ Jobs ── jobs, sessions, loads, the cell's state
 //!   └─ MobileRobotClient ── state, signals, outbox
 //! EmulatorClient ── state, ledger, alarms
 //! ```
@@ -51,6 +52,7 @@ mod control;
 mod emulator;
 mod error;
 mod http;
+mod jobs;
 mod legacy;
 mod mobile;
 mod panel;
@@ -63,6 +65,7 @@ pub use control::{Control, HeldControl};
 pub use emulator::EmulatorClient;
 pub use error::ClientError;
 pub use http::Timeouts;
+pub use jobs::Jobs;
 pub use mobile::MobileRobotClient;
 pub use panel::{
     Alarm, EmulatorJoints, EmulatorState, JointLimit, LedgerEntry, LedgerEvent, Log, Tag, Task,

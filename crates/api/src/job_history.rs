@@ -65,7 +65,7 @@ pub struct JobReport {
     /// When it came to its end.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ended_at: Option<Timestamp>,
-    /// From the beginning of the run to its end, or to the last event, in milliseconds.
+    /// From the beginning of the run to its end, or until now, in milliseconds.
     pub total_ms: u64,
     /// Of these, in the queue.
     pub queued_ms: u64,
@@ -143,7 +143,7 @@ pub struct PhaseReport {
 pub struct AttemptReport {
     /// Milliseconds from the beginning of the run.
     pub begin_ms: u64,
-    /// How long it took; until the last event where it runs.
+    /// How long it took; until now where it runs.
     pub duration_ms: u64,
     /// How it ended; absent while it runs.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -29,9 +29,7 @@ pub use authority::{
     AcquireBody, ControlEnd, ControlHolder, ControlLease, ControlToken, ControlTokenError,
     ControlView, EndedLease, LossBehavior, Station, TransferBody,
 };
-pub use cell_state::{
-    AlarmLevel, ArmState, CellAlarm, CellState, JobCount, SafetyState,
-};
+pub use cell_state::{AlarmLevel, ArmState, CellAlarm, CellState, JobCount, SafetyState};
 pub use control::{MotionPreview, SpeedOverride, StopBody, StopCategory, StopResult};
 pub use description::{
     Capabilities, CellSummary, JointDescription, RobotDescription, RobotSummary, StopEffect, Tier,

@@ -9,14 +9,14 @@ mod refused;
 mod report;
 mod shown;
 mod story;
+#[cfg(test)]
+mod tests;
 mod words;
 
 pub(crate) use body::{command, location, new_job, principal, reason};
 pub(crate) use events::events;
 pub(crate) use questions::{answer, intervention};
-pub(crate) use refused::{Told, problem, told};
+pub(crate) use refused::{problem, told};
 pub(crate) use report::report;
-pub(crate) use shown::{
-    fault_name, job, load, load_location, permits, session, state_of, summary,
-};
+pub(crate) use shown::{fault_name, job, load, load_location, permits, session, state_of, summary};
 pub(crate) use story::{History, history_of_load, remembered, story};

@@ -3,10 +3,8 @@
 use api::{Outcome, ProblemCode, Violation};
 use workflow::Refusal;
 
-use crate::cell::Refused;
+use crate::cell::{Refused, Told};
 use crate::problem::Problem;
-
-pub(crate) use crate::cell::Told;
 
 /// The problem of a request that a cell refused. Nothing has changed, and nothing was sent.
 ///

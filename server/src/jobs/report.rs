@@ -41,8 +41,8 @@ impl Elapsed {
     }
 }
 
-/// What a job took.
-pub(crate) fn report(cell: &str, history: &History) -> JobReport {
+/// What a job took. `now`, by the wall clock and in the journal's epoch, is the end so far of a job that is not over.
+pub(crate) fn report(cell: &str, history: &History, now: (Timestamp, Epoch)) -> JobReport {
     let mut elapsed = Elapsed::default();
     let first = history.chapters.first().map(|chapter| chapter.at.wall);
     let mut run = Run::begin(0, first.unwrap_or_else(|| created_at(history.job)), 1);
@@ -51,7 +51,10 @@ pub(crate) fn report(cell: &str, history: &History) -> JobReport {
     for chapter in &history.chapters {
         let now = elapsed.at(chapter);
         run.now = now;
-        if epoch.replace(chapter.epoch).is_some_and(|e| e != chapter.epoch) {
+        if epoch
+            .replace(chapter.epoch)
+            .is_some_and(|e| e != chapter.epoch)
+        {
             run.restarts += 1;
         }
         for (_, fact) in &chapter.facts {
@@ -70,6 +73,16 @@ pub(crate) fn report(cell: &str, history: &History) -> JobReport {
             }
             run.take(fact, chapter.at.wall);
         }
+    }
+    if let Some(last) = history.chapters.last()
+        && !run.state.0.is_final()
+    {
+        let (wall, epoch) = now;
+        if last.epoch != epoch {
+            run.restarts += 1;
+        }
+        let since = Duration::try_from(wall.duration_since(last.at.wall)).unwrap_or_default();
+        run.now += u64::try_from(since.as_millis()).unwrap_or(0);
     }
     run.finish(cell, history.job, workflow)
 }
@@ -237,8 +250,12 @@ impl Run {
                 planned.phase.code(workflow).clone_into(&mut phase.code);
             }
         }
-        self.phases.sort_by_key(|phase| (phase.begin_ms, phase.step));
-        let queued = self.states.iter().find(|known| known.state == JobState::Idle);
+        self.phases
+            .sort_by_key(|phase| (phase.begin_ms, phase.step));
+        let queued = self
+            .states
+            .iter()
+            .find(|known| known.state == JobState::Idle);
         let queued_ms = queued.map_or(0, |known| known.duration_ms);
         let workflow: WorkflowName = workflow_name(workflow);
         JobReport {

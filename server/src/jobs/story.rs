@@ -45,35 +45,56 @@ pub(crate) async fn story(
     span: Span,
     job: Uuid,
 ) -> Result<History, Problem> {
-    let mut owners: BTreeMap<Uuid, Uuid> = BTreeMap::new();
+    let mut picker = Picker::new(job);
     let mut chapters = Vec::new();
     let before = Position(span.first.0.saturating_sub(1));
     for_each(journal, cell, before, span.last, |chapter| {
-        let facts: Vec<_> = chapter
-            .facts
-            .into_iter()
-            .filter(|(_, fact)| {
-                if *fact == Fact::Recovered {
-                    return true;
-                }
-                match subject(fact) {
-                    Subject::Job(of) => of == job,
-                    Subject::Opens { job: of, what } => {
-                        let _new = owners.insert(what, of);
-                        of == job
-                    }
-                    // The end of an operation and what it did to a load are told one after the other.
-                    Subject::Of(what) | Subject::Closes(what) => owners.get(&what) == Some(&job),
-                    Subject::None => false,
-                }
-            })
-            .collect();
-        if !facts.is_empty() {
-            chapters.push(Chapter { facts, ..chapter });
-        }
+        chapters.extend(picker.pick(chapter));
     })
     .await?;
     Ok(History { job, chapters })
+}
+
+/// Picks what belongs to a job.
+#[derive(Debug)]
+pub(super) struct Picker {
+    job: Uuid,
+    /// The jobs of operations, sessions and questions.
+    owners: BTreeMap<Uuid, Uuid>,
+    begun: bool,
+}
+
+impl Picker {
+    pub(super) fn new(job: Uuid) -> Self {
+        Self {
+            job,
+            owners: BTreeMap::new(),
+            begun: false,
+        }
+    }
+
+    /// What of a record belongs to the job, or is a start of the server meanwhile.
+    pub(super) fn pick(&mut self, mut chapter: Chapter) -> Option<Chapter> {
+        chapter.facts.retain(|(_, fact)| {
+            self.begun && *fact == Fact::Recovered
+                || match subject(fact) {
+                    Subject::Job(job) => {
+                        self.begun |= job == self.job;
+                        job == self.job
+                    }
+                    Subject::Opens { job, what } => {
+                        let _new = self.owners.insert(what, job);
+                        job == self.job
+                    }
+                    // The end of an operation and what it did to a load are told one after the other.
+                    Subject::Of(what) | Subject::Closes(what) => {
+                        self.owners.get(&what) == Some(&self.job)
+                    }
+                    Subject::None => false,
+                }
+        });
+        (!chapter.facts.is_empty()).then_some(chapter)
+    }
 }
 
 /// A job the cell has forgotten, as its story leaves it.

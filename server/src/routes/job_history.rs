@@ -71,7 +71,8 @@ pub(super) async fn job_report(
 ) -> Result<Json<JobReport>, Problem> {
     let cell = app.cell(&cell)?;
     let history = story_of(&app, cell, job).await?;
-    Ok(Json(jobs::report(&cell.id, &history)))
+    let now = (app.clock.now(), app.journal.epoch());
+    Ok(Json(jobs::report(&cell.id, &history, now)))
 }
 
 /// Where an event stands: its record, and its place in it.

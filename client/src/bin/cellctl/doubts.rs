@@ -126,9 +126,7 @@ fn facts(one: &Intervention) -> String {
             one.decision.as_ref().map(|decision| {
                 format!(
                     "{} ({}, {})",
-                    decision.answer,
-                    decision.principal,
-                    decision.reason
+                    decision.answer, decision.principal, decision.reason
                 )
             }),
         ),
