@@ -19,6 +19,8 @@ const IDLE: Duration = Duration::from_secs(2);
 const MAX_REQUEST_ID: usize = 64;
 /// More than the longest token of a server.
 const MAX_TOKEN: usize = 200;
+/// For what lasts as long as somebody listens.
+const NO_LIMIT: Duration = Duration::from_secs(365 * 86_400);
 pub(crate) const REQUEST_ID: &str = "x-request-id";
 const CONTROL_TOKEN: &str = "control-token";
 
@@ -279,6 +281,32 @@ impl Exchange {
     /// Sends the request and reads a text answer.
     pub(crate) async fn text(self) -> Result<String, ClientError> {
         self.send().await?.success()?.text()
+    }
+
+    /// Sends the request and leaves the answer open, once it has begun with a yes. Only the beginning has a time limit.
+    pub(crate) async fn stream(self) -> Result<reqwest::Response, ClientError> {
+        let Self { request, call } = self;
+        let begun = tokio::time::timeout(call.timeout, request.timeout(NO_LIMIT).send());
+        let response = match begun.await {
+            Ok(Ok(response)) => response,
+            Ok(Err(error)) => return Err(call.broken(error)),
+            Err(_) => {
+                return Err(ClientError::Timeout {
+                    after: call.timeout,
+                    outcome: api::Outcome::None,
+                    url: call.url,
+                    request_id: call.request_id,
+                });
+            }
+        };
+        if response.status().is_success() {
+            Ok(response)
+        } else {
+            match Answer::read(call, response).await?.success() {
+                Err(refused) => Err(refused),
+                Ok(_) => unreachable!("the status said no"),
+            }
+        }
     }
 
     async fn send(self) -> Result<Answer, ClientError> {

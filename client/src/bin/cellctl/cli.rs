@@ -7,7 +7,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::{
     cell, control, delta, doubts, emulator, fk, home, ik, interventions, job, journal, loads,
-    motions, move_to, speed_override, stop, teach, tokens,
+    motions, move_to, speed_override, stop, teach, tokens, watch,
 };
 
 /// Drive a robot cell: move, look, calculate.
@@ -110,6 +110,7 @@ pub(crate) enum Command {
     /// List the hand-over sessions: states, permits, what is waited for.
     Sessions,
     Interventions(interventions::InterventionsArgs),
+    Watch(watch::WatchArgs),
     Journal(journal::JournalArgs),
     Emulator(emulator::EmulatorArgs),
 }

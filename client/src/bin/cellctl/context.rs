@@ -73,6 +73,11 @@ impl Context {
         }
     }
 
+    /// Whether a program reads the answers.
+    pub(crate) fn json(&self) -> bool {
+        self.global.json
+    }
+
     /// The server's address, as it was given.
     pub(crate) fn server(&self) -> &str {
         &self.global.server

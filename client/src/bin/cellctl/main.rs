@@ -30,6 +30,7 @@ mod stop;
 mod teach;
 mod text;
 mod tokens;
+mod watch;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -84,6 +85,7 @@ async fn run(cli: Cli) -> Result<Report, Failure> {
         Command::Loads(args) => loads::run(args, &context).await,
         Command::Sessions => loads::sessions(&context).await,
         Command::Interventions(args) => interventions::run(args, &context).await,
+        Command::Watch(args) => watch::run(args, &context).await,
         Command::Journal(args) => journal::run(args, json).await,
         Command::Emulator(args) => emulator::run(args, &context).await,
     }
