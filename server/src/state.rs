@@ -6,7 +6,7 @@ use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
-use crate::authority::{CellControl, EpochStore, LeaseClock, MemoryEpochs};
+use crate::authority::{AtLoss, CellControl, EpochStore, LeaseClock, MemoryEpochs};
 use crate::cell::{self, CellHandle};
 use crate::clock::WallClock;
 use crate::config::{Plan, RobotPlan, ServerPlan};
@@ -116,6 +116,21 @@ pub struct Seams<C> {
     pub journal: SharedJournal,
 }
 
+/// What is told when control is lost.
+fn at_loss(robots: &[Arc<Robot>], tracker: &TaskTracker) -> Arc<AtLoss> {
+    let robots = robots.iter().map(|robot| {
+        let link = match &robot.link {
+            RobotLink::Seed(_) => None,
+            RobotLink::CellServer(link) => Some(link.clone()),
+        };
+        (Arc::clone(&robot.motions), link)
+    });
+    Arc::new(AtLoss {
+        robots: robots.collect(),
+        tracker: tracker.clone(),
+    })
+}
+
 /// What a robot's parts are made of.
 struct RobotParts<'a, C> {
     metrics: &'a Metrics,
@@ -200,11 +215,12 @@ impl App {
             .into_iter()
             .map(|cell| {
                 let control = start_control(&cell.id);
-                let robots: Vec<_> = cell
+                let robots: Vec<Arc<Robot>> = cell
                     .robots
                     .into_iter()
                     .map(|plan| parts.start(plan))
                     .collect();
+                control.observe(at_loss(&robots, tracker));
                 let plans = robots.iter().map(|robot| Arc::clone(&robot.plan)).collect();
                 let setup = SetupBook::open(cell.setup.as_ref(), plans);
                 let setup = Arc::new(setup.map_err(ServeError::Setup)?);
