@@ -10,6 +10,7 @@ use crate::authority::{AtLoss, CellControl, EpochStore, LeaseClock, MemoryEpochs
 use crate::cell::{self, CellHandle};
 use crate::clock::WallClock;
 use crate::config::{Plan, RobotPlan, ServerPlan};
+use crate::events::Events;
 use crate::identity::{AuditSink, Identity, TracingAudit};
 use crate::journal::SharedJournal;
 use crate::link::cell_server::{self, CellServerLink, CellServerPlan};
@@ -34,6 +35,8 @@ pub(crate) struct App {
     pub(crate) streams: Arc<Semaphore>,
     pub(crate) journal: SharedJournal,
     pub(crate) keys: InFlight,
+    /// What happens, for streams.
+    pub(crate) events: Events,
 }
 
 #[derive(Debug)]
@@ -271,6 +274,16 @@ impl App {
                 work,
             });
         }
+        let watched = cells
+            .iter()
+            .map(|cell: &Cell| (Arc::from(&*cell.id), cell.work.clone()));
+        let events = Events::start(
+            journal.clone(),
+            clock.now(),
+            watched.collect(),
+            tracker,
+            stop.clone(),
+        );
         let (cell, robot) = plan.legacy;
         let legacy = cells.get(cell).and_then(|cell| cell.robots.get(robot));
         let Some(legacy) = legacy.map(Arc::clone) else {
@@ -285,6 +298,7 @@ impl App {
             clock,
             identity,
             audit,
+            events,
             journal,
             keys,
         })

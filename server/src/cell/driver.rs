@@ -454,7 +454,7 @@ impl Task {
 }
 
 /// What the key's first request was answered with. A decision that made no job had nothing more to tell.
-fn told_before(replay: &Replay) -> Told {
+pub(crate) fn told_before(replay: &Replay) -> Told {
     let facts = if let Record::CellDecided(decided) = &replay.first.record {
         serde_json::from_str::<Vec<Fact>>(&decided.facts).unwrap_or_default()
     } else {

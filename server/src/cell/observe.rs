@@ -70,7 +70,8 @@ fn seen(arm: &str, view: &ControllerView, setup: &SetupBook) -> ArmSeen {
     }
 }
 
-fn safety(line: &StatusLine) -> Safety {
+/// The safety state a controller reports.
+pub(crate) fn safety(line: &StatusLine) -> Safety {
     match (line.alarm / 1_000, line.alarm % 1_000) {
         (0, 0) => Safety::Normal,
         // SRVO-001 to SRVO-003: emergency stop of the operator panel, the pendant, the deadman switch.

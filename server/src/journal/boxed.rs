@@ -40,6 +40,7 @@ macro_rules! any_journal {
 any_journal! {
     append(at: Clocks, record: Record) -> Result<Appended, AppendError>;
     begin_motion(at: Clocks, intent: Intent) -> Result<Begun, AppendError>;
+    page(after: Position, limit: usize) -> Result<Vec<Stored>, ReadError>;
     lookup(claim: &'a Claim, now: Clocks) -> Result<Option<Replay>, LookupError>;
     motion(motion: MotionId) -> Result<Option<MotionStory>, ReadError>;
     motions(phases: &'a [MotionPhase], after: Position, limit: usize) -> Result<Vec<MotionEntry>, ReadError>;

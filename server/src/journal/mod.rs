@@ -17,6 +17,7 @@ use journal::{
     LookupError, MemoryDisk, MemoryJournal, MotionEntry, MotionId, MotionPhase, MotionStory,
     Opening, Position, ReadError, Record, Replay, Stored,
 };
+use tokio::sync::watch;
 use tokio::time::Instant;
 
 use boxed::AnyJournal;
@@ -39,6 +40,8 @@ struct Inner {
     /// Why it can no longer be written, once it cannot.
     broken: OnceLock<Trouble>,
     clocks: Mutex<Option<Clocks>>,
+    /// Moves on after each record that was kept.
+    news: watch::Sender<Position>,
 }
 
 /// Whether a journal outlives the process.
@@ -74,7 +77,9 @@ impl SharedJournal {
     }
 
     fn new(journal: impl Journal, keeps: Keeps) -> Self {
+        let news = watch::Sender::new(journal.head().position);
         Self(Arc::new(Inner {
+            news,
             journal: Box::new(journal),
             keeps,
             started: Instant::now(),
@@ -104,6 +109,7 @@ impl SharedJournal {
     pub(crate) async fn append(&self, now: Timestamp, record: Record) -> Result<Appended, Trouble> {
         let at = self.clocks(now).await;
         let appended = self.0.journal.append(at, record).await;
+        self.tell();
         appended.map_err(|error| self.noted(&error))
     }
 
@@ -115,7 +121,32 @@ impl SharedJournal {
     ) -> Result<Begun, Trouble> {
         let at = self.clocks(now).await;
         let begun = self.0.journal.begin_motion(at, intent).await;
+        self.tell();
         begun.map_err(|error| self.noted(&error))
+    }
+
+    /// Tells of every record that was kept: the place of the last one.
+    pub(crate) fn watch(&self) -> watch::Receiver<Position> {
+        self.0.news.subscribe()
+    }
+
+    /// Also after a failure: others may have got further.
+    fn tell(&self) {
+        let last = self.head().position;
+        let _changed = self.0.news.send_if_modified(|known| {
+            let further = last > *known;
+            *known = last.max(*known);
+            further
+        });
+    }
+
+    /// Records behind `after`, a page of them.
+    pub(crate) async fn page(
+        &self,
+        after: Position,
+        limit: usize,
+    ) -> Result<Vec<Stored>, ReadError> {
+        self.0.journal.page(after, limit).await
     }
 
     /// Keeps a decision of a cell's state machines.
