@@ -400,7 +400,10 @@ mod tests {
         let list = r#"{"point": "a/b", "items": [{"type": "t", "mr_slot": "s", "place": "p", "alternates": ["q"]}]}"#;
         assert!(job(list).is_ok());
         let error = job(r#"{"point": "a/b", "items": [[null, "t", "s", "p"]]}"#).unwrap_err();
-        assert!(error.starts_with("params.items[0]: invalid type: array"), "{error}");
+        assert!(
+            error.starts_with("params.items[0]: invalid type: array"),
+            "{error}"
+        );
         let error = job(r#"[null, null, "a/b", []]"#).unwrap_err();
         assert!(error.starts_with("params: invalid type: array"), "{error}");
     }

@@ -119,6 +119,29 @@ pub struct Seams<C> {
     pub journal: SharedJournal,
 }
 
+/// Takes up the motions of earlier processes, and has those asked about that may have been under way.
+async fn take_up(
+    journal: &SharedJournal,
+    robots: Vec<Arc<Robot>>,
+    tracker: &TaskTracker,
+    stop: &CancellationToken,
+) -> Result<(), ServeError> {
+    let all: Vec<_> = robots
+        .iter()
+        .map(|robot| Arc::clone(&robot.motions))
+        .collect();
+    motions::recover(journal, &all)
+        .await
+        .map_err(ServeError::Journal)?;
+    for robot in robots {
+        if let RobotLink::CellServer(link) = &robot.link {
+            let motions = Arc::clone(&robot.motions);
+            drop(tracker.spawn(motions.reconcile(link.clone(), stop.clone())));
+        }
+    }
+    Ok(())
+}
+
 /// What is told when control is lost.
 fn at_loss(robots: &[Arc<Robot>], tracker: &TaskTracker) -> Arc<AtLoss> {
     let robots = robots.iter().map(|robot| {
@@ -231,20 +254,8 @@ impl App {
             })
             .collect::<Result<_, ServeError>>()?;
 
-        let all: Vec<_> = ready
-            .iter()
-            .flat_map(|(_, _, _, robots, ..)| robots)
-            .map(|robot| Arc::clone(&robot.motions))
-            .collect();
-        motions::recover(&journal, &all)
-            .await
-            .map_err(ServeError::Journal)?;
-        for robot in ready.iter().flat_map(|(_, _, _, robots, ..)| robots) {
-            if let RobotLink::CellServer(link) = &robot.link {
-                let motions = Arc::clone(&robot.motions);
-                drop(tracker.spawn(motions.reconcile(link.clone(), stop.clone())));
-            }
-        }
+        let robots = ready.iter().flat_map(|(_, _, _, robots, _)| robots);
+        take_up(&journal, robots.cloned().collect(), tracker, stop).await?;
         let keys = InFlight::default();
         let mut cells = Vec::with_capacity(ready.len());
         for (id, name, control, robots, setup, push_urls) in ready {

@@ -115,10 +115,7 @@ pub(crate) fn new_job(
     let expected_arrival_ms = drive("params.expected_arrival_s", params.expected_arrival_s);
     let expected_transport_ms = drive("params.expected_transport_s", params.expected_transport_s);
     if let Some(deadline) = deadline.filter(|deadline| *deadline <= now) {
-        wrong.say(
-            "deadline",
-            format!("{deadline} has passed: it is {now:.0}"),
-        );
+        wrong.say("deadline", format!("{deadline} has passed: it is {now:.0}"));
     }
     wrong.finish()?;
     Ok(NewJob {

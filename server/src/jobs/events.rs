@@ -153,9 +153,7 @@ impl Teller {
                     Why::Human { principal } => {
                         Told::by(format!("{to} by {principal}{because}"), principal)
                     }
-                    Why::Fault { fault } => {
-                        Told::of(format!("{to} for {}{because}", fault.code()))
-                    }
+                    Why::Fault { fault } => Told::of(format!("{to} for {}{because}", fault.code())),
                     Why::Recovering => Told::of(format!("{to} after a restart{because}")),
                     Why::DeadlinePassed => Told::of(format!("{to}: its deadline has passed")),
                     Why::Course | Why::Awaiting => Told::of(format!("{to}{because}")),
@@ -195,7 +193,10 @@ impl Teller {
                 *step,
             ),
             Fact::StepResent { step, .. } => Told::step(
-                format!("{}: asked again, or its wait extended", self.step_name(*step)),
+                format!(
+                    "{}: asked again, or its wait extended",
+                    self.step_name(*step)
+                ),
                 *step,
             ),
             Fact::ItemChanged { item, to, .. } => Told::of(format!(
@@ -215,9 +216,10 @@ impl Teller {
                 (Holder::Session(_), None) => Told::of("the session released its point"),
             },
             Fact::OpStarted { op, .. } => self.operation(*op, ""),
-            Fact::OpDoubted { op, text } => {
-                self.operation(*op, &format!(": nobody knows how it ended{}", because(text)))
-            }
+            Fact::OpDoubted { op, text } => self.operation(
+                *op,
+                &format!(": nobody knows how it ended{}", because(text)),
+            ),
             Fact::OpReconciling { op } => self.operation(*op, ": finding out how it ended"),
             Fact::OpEnded { op, result } => self.operation(*op, &format!(": {}", ended(result))),
             Fact::SessionOpened {
@@ -229,7 +231,8 @@ impl Teller {
                 Told::of(format!("the session goes on with {mobile_robot}"))
             }
             Fact::SessionMoved { to, fault, .. } => {
-                let fault = fault.map_or_else(String::new, |fault| format!(" for {}", fault.code()));
+                let fault =
+                    fault.map_or_else(String::new, |fault| format!(" for {}", fault.code()));
                 Told::of(format!("session {}{fault}", word(to)))
             }
             Fact::SessionOrdered { update, .. } => {
@@ -257,7 +260,10 @@ impl Teller {
             } => Told::of(format!("{mobile_robot} drives to {destination}")),
             Fact::CustodyMoved { load, to, by } => match by {
                 Evidence::Human { principal, reason } => Told::by(
-                    format!("load {load} is {}, says {principal}: {reason}", place_of(to)),
+                    format!(
+                        "load {load} is {}, says {principal}: {reason}",
+                        place_of(to)
+                    ),
                     principal,
                 ),
                 Evidence::Gripper { .. }
@@ -266,7 +272,9 @@ impl Teller {
                     Told::of(format!("load {load} is {}", place_of(to)))
                 }
             },
-            Fact::Asked { question } => Told::of(format!("a person is asked: {}", question.question)),
+            Fact::Asked { question } => {
+                Told::of(format!("a person is asked: {}", question.question))
+            }
             Fact::Answered { decided, .. } => Told::by(
                 format!(
                     "{} answers {}: {}",

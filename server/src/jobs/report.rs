@@ -51,7 +51,10 @@ pub(crate) fn report(cell: &str, history: &History) -> JobReport {
     for chapter in &history.chapters {
         let now = elapsed.at(chapter);
         run.now = now;
-        if epoch.replace(chapter.epoch).is_some_and(|e| e != chapter.epoch) {
+        if epoch
+            .replace(chapter.epoch)
+            .is_some_and(|e| e != chapter.epoch)
+        {
             run.restarts += 1;
         }
         for (_, fact) in &chapter.facts {
@@ -237,8 +240,12 @@ impl Run {
                 planned.phase.code(workflow).clone_into(&mut phase.code);
             }
         }
-        self.phases.sort_by_key(|phase| (phase.begin_ms, phase.step));
-        let queued = self.states.iter().find(|known| known.state == JobState::Idle);
+        self.phases
+            .sort_by_key(|phase| (phase.begin_ms, phase.step));
+        let queued = self
+            .states
+            .iter()
+            .find(|known| known.state == JobState::Idle);
         let queued_ms = queued.map_or(0, |known| known.duration_ms);
         let workflow: WorkflowName = workflow_name(workflow);
         JobReport {

@@ -32,7 +32,13 @@ const COMMANDS: [(JobCommand, Command); 10] = [
 ];
 
 /// A job as it is now.
-pub(crate) fn job(name: &str, cell: &Cell, view: &JobView, clock: &CellClock, now: Timestamp) -> Job {
+pub(crate) fn job(
+    name: &str,
+    cell: &Cell,
+    view: &JobView,
+    clock: &CellClock,
+    now: Timestamp,
+) -> Job {
     let (reason, fault, principal) = reason_of(&view.why);
     Job {
         id: view.id,
@@ -111,7 +117,10 @@ pub(crate) fn summary(cell: &Cell, view: &JobView) -> JobSummary {
 }
 
 fn queue_position(cell: &Cell, job: Uuid) -> Option<usize> {
-    let index = cell.queue().into_iter().position(|waiting| waiting == job)?;
+    let index = cell
+        .queue()
+        .into_iter()
+        .position(|waiting| waiting == job)?;
     Some(index + 1)
 }
 

@@ -4,8 +4,7 @@ use std::sync::Arc;
 
 use api::{
     AllowedAnswer, DecisionBody, DoubtAnswer, Intervention, InterventionDecision, InterventionKind,
-    InterventionState,
-    ProblemCode,
+    InterventionState, ProblemCode,
 };
 use jiff::Timestamp;
 use journal::{

@@ -78,7 +78,11 @@ pub(super) async fn get_cell_state(
         control: cell.control.view(),
         jobs_may_act: cell.control.jobs_may_act(),
         journal_writable,
-        arms: cell.robots.iter().map(|arm| arm_state(arm, &claims)).collect(),
+        arms: cell
+            .robots
+            .iter()
+            .map(|arm| arm_state(arm, &claims))
+            .collect(),
         permits: jobs::permits(&work, &work.sessions(now)),
         open_jobs: counts(&open),
         open_interventions: super::interventions::open(cell),

@@ -7,8 +7,8 @@ use api::{
 };
 use axum::Json;
 use axum::extract::{FromRequestParts, State};
-use axum::http::request::Parts;
 use axum::http::HeaderMap;
+use axum::http::request::Parts;
 use uuid::Uuid;
 use workflow::Input;
 use workflow::view::InterventionView;

@@ -59,15 +59,7 @@ pub(super) async fn create_job(
     caller: Principal,
     headers: HeaderMap,
     ListJson(body): ListJson<JobBody>,
-) -> Result<
-    (
-        StatusCode,
-        Replayed,
-        [(HeaderName, String); 1],
-        Json<Job>,
-    ),
-    Problem,
-> {
+) -> Result<(StatusCode, Replayed, [(HeaderName, String); 1], Json<Job>), Problem> {
     let cell = cell_to_change(&app, &cell)?;
     let key = RequestKey::of(&headers)?;
     let path = format!("POST /api/v1/cells/{}/jobs", cell.id);
@@ -107,15 +99,7 @@ async fn created(
     cell: &Cell,
     id: Uuid,
     again: bool,
-) -> Result<
-    (
-        StatusCode,
-        Replayed,
-        [(HeaderName, String); 1],
-        Json<Job>,
-    ),
-    Problem,
-> {
+) -> Result<(StatusCode, Replayed, [(HeaderName, String); 1], Json<Job>), Problem> {
     let location = format!("/api/v1/cells/{}/jobs/{id}", cell.id);
     Ok((
         StatusCode::CREATED,
@@ -242,8 +226,7 @@ pub(super) async fn command_job(
     let again = match claim {
         None => {
             let reply = cell.work.ask(input).await;
-            let _reply =
-                reply.map_err(|no| jobs::problem(no, ProblemCode::WrongJobState, ""))?;
+            let _reply = reply.map_err(|no| jobs::problem(no, ProblemCode::WrongJobState, ""))?;
             false
         }
         Some(claim) => {
@@ -251,10 +234,7 @@ pub(super) async fn command_job(
             jobs::told(told, ProblemCode::WrongJobState, "")?.replayed
         }
     };
-    Ok((
-        replayed(again),
-        Json(shown_job(&app, cell, job).await?),
-    ))
+    Ok((replayed(again), Json(shown_job(&app, cell, job).await?)))
 }
 
 /// A job as the cell has it, or else as the journal does.

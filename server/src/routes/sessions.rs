@@ -112,7 +112,11 @@ impl FromRequestParts<Arc<App>> for PointOf {
         let params = path_params(parts).await?;
         Ok(Self {
             cell: param(&params, "cell")?.to_owned(),
-            point: format!("{}/{}", param(&params, "station")?, param(&params, "point")?),
+            point: format!(
+                "{}/{}",
+                param(&params, "station")?,
+                param(&params, "point")?
+            ),
         })
     }
 }

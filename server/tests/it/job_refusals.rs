@@ -26,28 +26,128 @@ async fn a_job_that_does_not_fit_is_refused_by_item() {
     let many = vec![item.clone(); 33];
     let long = "x".repeat(129);
     for (pointer, value, item, says) in [
-        ("/params/point", json!("handover/back"), "params.point", "handover/back"),
+        (
+            "/params/point",
+            json!("handover/back"),
+            "params.point",
+            "handover/back",
+        ),
         ("/params/point", json!(""), "params.point", "1 to 128"),
-        ("/params/point", json!(long), "params.point", "129 characters"),
+        (
+            "/params/point",
+            json!(long),
+            "params.point",
+            "129 characters",
+        ),
         ("/params/arm", json!("r9"), "params.arm", "r9"),
-        ("/params/mobile_robot", json!("mr9"), "params.mobile_robot", "mr9"),
-        ("/params/items", json!([]), "params.items", "0 items; 1 to 32"),
-        ("/params/items", json!(many), "params.items", "33 items; 1 to 32"),
-        ("/params/items", json!([item, item]), "params.items[1]", "twice"),
-        ("/params/items/0/place", json!("rack/z"), "params.items[0].place", "rack/z"),
-        ("/params/items/0/type", json!("barrel"), "params.items[0].type", "barrel"),
-        ("/params/items/0/mr_slot", json!("top"), "params.items[0].mr_slot", "top"),
-        ("/params/items/0/load_id", json!("load-2"), "params.items[0].load_id", "rack/a"),
-        ("/params/items/0/alternates", json!(["rack/z"]), "params.items[0].alternates", "rack/z"),
-        ("/params/max_attempts", json!(0), "params.max_attempts", "0 is not from 1 to 10"),
-        ("/params/max_attempts", json!(11), "params.max_attempts", "11 is not from 1 to 10"),
-        ("/params/expected_arrival_s", json!(-1), "params.expected_arrival_s", "0 to 86400 s"),
-        ("/params/expected_transport_s", json!(1e9), "params.expected_transport_s", "86400 s"),
-        ("/params/on_cancel_with_load", json!("REJECT_BIN"), "params.reject_slot", "REJECT_BIN"),
-        ("/params/destination", json!("warehouse"), "params.prefetch", "pickup-and-delivery"),
-        ("/params/prefetch", json!(true), "params.prefetch", "pickup-and-delivery"),
-        ("/params/complete_on", json!("DELIVERED"), "params.destination", "DELIVERED"),
-        ("/deadline", json!("2020-01-01T00:00:00Z"), "deadline", "2020-01-01T00:00:00Z has passed"),
+        (
+            "/params/mobile_robot",
+            json!("mr9"),
+            "params.mobile_robot",
+            "mr9",
+        ),
+        (
+            "/params/items",
+            json!([]),
+            "params.items",
+            "0 items; 1 to 32",
+        ),
+        (
+            "/params/items",
+            json!(many),
+            "params.items",
+            "33 items; 1 to 32",
+        ),
+        (
+            "/params/items",
+            json!([item, item]),
+            "params.items[1]",
+            "twice",
+        ),
+        (
+            "/params/items/0/place",
+            json!("rack/z"),
+            "params.items[0].place",
+            "rack/z",
+        ),
+        (
+            "/params/items/0/type",
+            json!("barrel"),
+            "params.items[0].type",
+            "barrel",
+        ),
+        (
+            "/params/items/0/mr_slot",
+            json!("top"),
+            "params.items[0].mr_slot",
+            "top",
+        ),
+        (
+            "/params/items/0/load_id",
+            json!("load-2"),
+            "params.items[0].load_id",
+            "rack/a",
+        ),
+        (
+            "/params/items/0/alternates",
+            json!(["rack/z"]),
+            "params.items[0].alternates",
+            "rack/z",
+        ),
+        (
+            "/params/max_attempts",
+            json!(0),
+            "params.max_attempts",
+            "0 is not from 1 to 10",
+        ),
+        (
+            "/params/max_attempts",
+            json!(11),
+            "params.max_attempts",
+            "11 is not from 1 to 10",
+        ),
+        (
+            "/params/expected_arrival_s",
+            json!(-1),
+            "params.expected_arrival_s",
+            "0 to 86400 s",
+        ),
+        (
+            "/params/expected_transport_s",
+            json!(1e9),
+            "params.expected_transport_s",
+            "86400 s",
+        ),
+        (
+            "/params/on_cancel_with_load",
+            json!("REJECT_BIN"),
+            "params.reject_slot",
+            "REJECT_BIN",
+        ),
+        (
+            "/params/destination",
+            json!("warehouse"),
+            "params.prefetch",
+            "pickup-and-delivery",
+        ),
+        (
+            "/params/prefetch",
+            json!(true),
+            "params.prefetch",
+            "pickup-and-delivery",
+        ),
+        (
+            "/params/complete_on",
+            json!("DELIVERED"),
+            "params.destination",
+            "DELIVERED",
+        ),
+        (
+            "/deadline",
+            json!("2020-01-01T00:00:00Z"),
+            "deadline",
+            "2020-01-01T00:00:00Z has passed",
+        ),
     ] {
         let body = changed(pointer, value);
         let reply = cell.post(JOBS, &body.to_string()).await;
@@ -65,11 +165,19 @@ async fn a_body_of_another_shape_is_refused_by_key() {
     let cell = WorkCell::start().await;
     for (pointer, value, item) in [
         ("/workflow", json!("delivery"), "workflow"),
-        ("/params/items/0/slot", json!("left"), "params.items[0].slot"),
+        (
+            "/params/items/0/slot",
+            json!("left"),
+            "params.items[0].slot",
+        ),
         ("/params/speed", json!(1), "params.speed"),
         ("/params/max_attempts", json!(256), "params.max_attempts"),
         ("/params/max_attempts", json!(1.5), "params.max_attempts"),
-        ("/params/on_cancel_with_load", json!("DROP"), "params.on_cancel_with_load"),
+        (
+            "/params/on_cancel_with_load",
+            json!("DROP"),
+            "params.on_cancel_with_load",
+        ),
         ("/deadline", json!("tomorrow"), "deadline"),
         ("/priority", json!(3_000_000_000_u64), "priority"),
         ("/version", json!(1), "version"),
@@ -80,7 +188,10 @@ async fn a_body_of_another_shape_is_refused_by_key() {
         let text = problem.to_string();
         assert!(text.contains(item), "{item}: {text}");
     }
-    let twice = delivery().to_string().replacen("\"place\"", "\"target_slot\":\"rack/e\",\"place\"", 1);
+    let twice =
+        delivery()
+            .to_string()
+            .replacen("\"place\"", "\"target_slot\":\"rack/e\",\"place\"", 1);
     let reply = cell.post(JOBS, &twice).await;
     let _problem = reply.problem(422, "validation", "NOT_SENT");
     let reply = cell.post(JOBS, "{").await;
@@ -115,7 +226,10 @@ async fn a_command_that_does_not_fit_the_state_is_refused() {
         "clear",
         "reset",
     ] {
-        assert!(!job["commands"].as_array().unwrap().contains(&json!(name)), "{job}");
+        assert!(
+            !job["commands"].as_array().unwrap().contains(&json!(name)),
+            "{job}"
+        );
         let body = json!({"command": name, "reason": "a test"}).to_string();
         let problem = cell.post(&path, &body).await;
         let problem = problem.problem(409, "wrong-job-state", "NOT_SENT");
@@ -125,10 +239,16 @@ async fn a_command_that_does_not_fit_the_state_is_refused() {
     for (body, item) in [
         (json!({"command": "stop", "reason": ""}), "reason"),
         (json!({"command": "stop", "reason": " "}), "reason"),
-        (json!({"command": "stop", "reason": "x".repeat(501)}), "reason"),
+        (
+            json!({"command": "stop", "reason": "x".repeat(501)}),
+            "reason",
+        ),
         (json!({"command": "stop"}), "reason"),
         (json!({"command": "start", "reason": "a test"}), "command"),
-        (json!({"command": "stop", "reason": "a", "force": true}), "force"),
+        (
+            json!({"command": "stop", "reason": "a", "force": true}),
+            "force",
+        ),
     ] {
         let reply = cell.post(&path, &body.to_string()).await;
         let problem = reply.problem(422, "validation", "NOT_SENT");
@@ -160,7 +280,9 @@ async fn what_is_not_there_is_not_found() {
     let body = json!({"command": "stop", "reason": "a test"}).to_string();
     let reply = cell.post(&format!("{JOBS}/{nobody}/commands"), &body).await;
     let _problem = reply.problem(404, "not-found", "NOT_SENT");
-    let reply = cell.post("/api/v1/cells/c9/jobs", &delivery().to_string()).await;
+    let reply = cell
+        .post("/api/v1/cells/c9/jobs", &delivery().to_string())
+        .await;
     let _problem = reply.problem(404, "not-found", "NOT_SENT");
     for query in ["state=held", "limit=0", "cursor=x", "open=1"] {
         let reply = cell.get(&format!("{JOBS}?{query}")).await;

@@ -47,7 +47,8 @@ pub(crate) fn path_of(job: &Value) -> String {
 
 async fn command(cell: &TestServer, job: &Value, command: &str) -> HttpReply {
     let body = json!({"command": command, "reason": "a test"}).to_string();
-    cell.post(&format!("{}/commands", path_of(job)), &body).await
+    cell.post(&format!("{}/commands", path_of(job)), &body)
+        .await
 }
 
 /// The job, once it is in a state.
@@ -93,9 +94,12 @@ async fn a_job_is_created_shown_and_listed() {
     let created: Timestamp = shown["created_at"].as_str().unwrap().parse().unwrap();
     assert!(Timestamp::now().duration_since(created).abs() < SignedDuration::from_secs(60));
 
-    let second = taken(&cell, &with(&json!({"items": [
-        {"type": "crate", "mr_slot": "right", "target_slot": "rack/e"},
-    ]})))
+    let second = taken(
+        &cell,
+        &with(&json!({"items": [
+            {"type": "crate", "mr_slot": "right", "target_slot": "rack/e"},
+        ]})),
+    )
     .await;
     let list = cell.get(&format!("{JOBS}?limit=1")).await.json();
     assert_eq!(list["jobs"][0]["id"], second["id"]);
@@ -228,9 +232,12 @@ async fn events_and_report_come_from_the_journal() {
     let disk = MemoryDisk::new();
     let cell = WorkCell::on(&disk).await;
     let job = taken(&cell, &delivery()).await;
-    let other = taken(&cell, &with(&json!({"items": [
-        {"type": "crate", "mr_slot": "right", "place": "rack/e"},
-    ]})))
+    let other = taken(
+        &cell,
+        &with(&json!({"items": [
+            {"type": "crate", "mr_slot": "right", "place": "rack/e"},
+        ]})),
+    )
     .await;
     assert_eq!(command(&cell, &job, "stop").await.status, 200);
     let events = format!("{}/events", path_of(&job));
@@ -265,7 +272,10 @@ async fn events_and_report_come_from_the_journal() {
     let cell = WorkCell::on(&disk).await;
     let again = cell.get(&events).await.json();
     assert_eq!(again["events"].as_array().unwrap()[..all.len()], all[..]);
-    let open = cell.get(&format!("{}/report", path_of(&other))).await.json();
+    let open = cell
+        .get(&format!("{}/report", path_of(&other)))
+        .await
+        .json();
     assert_eq!(open["state"], "IDLE");
     assert_eq!(open["restarts"], 1, "{open}");
     assert_eq!(open["ended_at"], Value::Null);
@@ -298,6 +308,8 @@ async fn the_state_of_a_cell_names_what_is_open_and_what_is_wrong() {
         let sessions = cell.get(&format!("/api/v1/cells/c1/{path}")).await;
         assert_eq!(sessions.json(), json!({"sessions": []}), "{path}");
     }
-    let none = cell.get("/api/v1/cells/c1/stations/handover/points/back/sessions").await;
+    let none = cell
+        .get("/api/v1/cells/c1/stations/handover/points/back/sessions")
+        .await;
     let _problem = none.problem(404, "not-found", "NONE");
 }

@@ -55,21 +55,39 @@ async fn a_booking_that_cannot_be_is_refused() {
     for (body, item) in [
         (at("rack/f", "load-2"), "confirm"),
         (at("rack/z", "load-1"), "location"),
-        (json!({"location": nowhere, "confirm": "load-1", "reason": "gone"}), "location"),
-        (json!({"location": {"at": "FIXED", "place": "rack/f"}, "confirm": "load-1", "reason": " "}), "reason"),
-        (json!({"location": {"at": "SHELF", "place": "rack/f"}, "confirm": "load-1", "reason": "x"}), "location"),
-        (json!({"location": {"at": "FIXED"}, "confirm": "load-1", "reason": "x"}), "location"),
+        (
+            json!({"location": nowhere, "confirm": "load-1", "reason": "gone"}),
+            "location",
+        ),
+        (
+            json!({"location": {"at": "FIXED", "place": "rack/f"}, "confirm": "load-1", "reason": " "}),
+            "reason",
+        ),
+        (
+            json!({"location": {"at": "SHELF", "place": "rack/f"}, "confirm": "load-1", "reason": "x"}),
+            "location",
+        ),
+        (
+            json!({"location": {"at": "FIXED"}, "confirm": "load-1", "reason": "x"}),
+            "location",
+        ),
         (json!({"confirm": "load-1", "reason": "x"}), "location"),
     ] {
         let reply = put(&cell, "load-1", &body).await;
         assert_eq!(reply.status, 422, "{reply:?}");
         let problem = reply.json();
         assert_eq!(problem["code"], "validation");
-        assert!(problem["detail"].as_str().unwrap().contains(item), "{problem}");
+        assert!(
+            problem["detail"].as_str().unwrap().contains(item),
+            "{problem}"
+        );
     }
     let taken = put(&cell, "load-1", &at("rack/a", "load-1")).await;
     let problem = taken.problem(409, "custody-conflict", "NONE");
-    assert!(problem["detail"].as_str().unwrap().contains("load-2"), "{problem}");
+    assert!(
+        problem["detail"].as_str().unwrap().contains("load-2"),
+        "{problem}"
+    );
     let none = put(&cell, "load-9", &at("rack/f", "load-9")).await;
     let _problem = none.problem(404, "not-found", "NONE");
     let load = cell.get(&format!("{LOADS}/load-1")).await.json();
