@@ -8,7 +8,7 @@ use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
-use crate::authority::{CellControl, EpochStore, LeaseClock, OnLoss};
+use crate::authority::{AtLoss, CellControl, EpochStore, LeaseClock};
 use crate::cell::{self, CellHandle};
 use crate::clock::WallClock;
 use crate::config::{CellPlan, Plan, RobotPlan, ServerPlan};
@@ -121,6 +121,44 @@ pub struct Seams<C> {
     pub journal: SharedJournal,
 }
 
+/// Takes up the motions of earlier processes, and has those asked about that may have been under way.
+async fn take_up(
+    journal: &SharedJournal,
+    robots: Vec<Arc<Robot>>,
+    tracker: &TaskTracker,
+    stop: &CancellationToken,
+) -> Result<(), ServeError> {
+    let all: Vec<_> = robots
+        .iter()
+        .map(|robot| Arc::clone(&robot.motions))
+        .collect();
+    motions::recover(journal, &all)
+        .await
+        .map_err(ServeError::Journal)?;
+    for robot in robots {
+        if let RobotLink::CellServer(link) = &robot.link {
+            let motions = Arc::clone(&robot.motions);
+            drop(tracker.spawn(motions.reconcile(link.clone(), stop.clone())));
+        }
+    }
+    Ok(())
+}
+
+/// What is told when control is lost.
+fn at_loss(robots: &[Arc<Robot>], tracker: &TaskTracker) -> Arc<AtLoss> {
+    let robots = robots.iter().map(|robot| {
+        let link = match &robot.link {
+            RobotLink::Seed(_) => None,
+            RobotLink::CellServer(link) => Some(link.clone()),
+        };
+        (Arc::clone(&robot.motions), link)
+    });
+    Arc::new(AtLoss {
+        robots: robots.collect(),
+        tracker: tracker.clone(),
+    })
+}
+
 /// What a robot's parts are made of.
 struct RobotParts<'a, C> {
     metrics: &'a Metrics,
@@ -220,10 +258,7 @@ impl Ready {
             stop: parts.stop,
         };
         let work = work.start().await.map_err(ServeError::Cell)?;
-        self.control.observe(Arc::new(OnLoss {
-            robots: self.robots.clone(),
-            tracker: parts.tracker.clone(),
-        }));
+        self.control.observe(at_loss(&self.robots, parts.tracker));
         let outboxes = cell::Outboxes::new(work.clone(), Arc::clone(&self.setup));
         for (robot, url) in self.push_urls {
             let pushing = cell::push(robot, url.to_string(), outboxes.clone(), parts.stop.clone());
@@ -283,20 +318,8 @@ impl App {
             })
             .collect::<Result<_, ServeError>>()?;
 
-        let all: Vec<_> = ready
-            .iter()
-            .flat_map(|cell| &cell.robots)
-            .map(|robot| Arc::clone(&robot.motions))
-            .collect();
-        motions::recover(&journal, &all)
-            .await
-            .map_err(ServeError::Journal)?;
-        for robot in ready.iter().flat_map(|cell| &cell.robots) {
-            if let RobotLink::CellServer(link) = &robot.link {
-                let motions = Arc::clone(&robot.motions);
-                drop(tracker.spawn(motions.reconcile(link.clone(), stop.clone())));
-            }
-        }
+        let robots = ready.iter().flat_map(|cell| &cell.robots);
+        take_up(&journal, robots.cloned().collect(), tracker, stop).await?;
         let keys = InFlight::default();
         let mut cells = Vec::with_capacity(ready.len());
         for cell in ready {

@@ -1,7 +1,7 @@
 //! What other parts keep in the journal: who did what, and which lease of control came when.
 
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use journal::{Audit, Record};
 

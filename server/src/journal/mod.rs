@@ -3,8 +3,8 @@
 //! Every record goes through here, so that one place knows whether the journal can be written, and notices a wall
 //! clock that was set.
 
-mod hooks;
 mod boxed;
+mod hooks;
 mod open;
 mod trouble;
 
