@@ -10,6 +10,10 @@ use clap::Parser;
 /// with a token move anything: the first start makes one and shows it. This is not a safety function.
 #[derive(Debug, Parser)]
 #[command(name = "robocell", version)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a flag of the command line"
+)]
 pub struct Cli {
     /// Configuration file (TOML). The demo where absent.
     #[arg(long, env = "ROBOCELL_CONFIG", value_name = "FILE")]

@@ -5,8 +5,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result, anyhow, bail};
-use api::{FloorPoseBody, TokenSecret};
 use api::setup::{MobileRobotSetup, SetupFile};
+use api::{FloorPoseBody, TokenSecret};
 use client::Client;
 use mobile_emulator::config::{FootprintSection, PointSection, ViewSection};
 use mobile_emulator::{CellAddress, Clock, MobileConfig, MobileRobot};
@@ -38,8 +38,16 @@ pub(crate) fn prepare(
     folder: &Path,
     key: &str,
 ) -> Result<Prepared> {
-    let Some(robot) = setup.mobile_robots.iter().find(|robot| robot.id == section.id) else {
-        let known: Vec<_> = setup.mobile_robots.iter().map(|robot| robot.id.as_str()).collect();
+    let Some(robot) = setup
+        .mobile_robots
+        .iter()
+        .find(|robot| robot.id == section.id)
+    else {
+        let known: Vec<_> = setup
+            .mobile_robots
+            .iter()
+            .map(|robot| robot.id.as_str())
+            .collect();
         bail!(
             "{key}.id: `{}` is none of the mobile robots of the set-up: {}",
             section.id,
@@ -65,7 +73,9 @@ pub(crate) fn prepare(
             expose_to_network: false,
         });
     }
-    config.check().with_context(|| format!("{key} `{}`", section.id))?;
+    config
+        .check()
+        .with_context(|| format!("{key} `{}`", section.id))?;
     let scale = section.time_scale;
     let clock = Clock::scaled(scale)
         .ok_or_else(|| anyhow!("{key}.time_scale: {scale} is not above 0 and at most 1000"))?;
@@ -133,10 +143,6 @@ impl Prepared {
     /// Where the robot stands at the start.
     pub(crate) fn start_pose(&self) -> FloorPoseBody {
         self.config.start
-    }
-
-    pub(crate) fn id(&self) -> &str {
-        &self.config.id
     }
 
     /// Starts the robot; from then on the world and its slots are the same.

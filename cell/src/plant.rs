@@ -65,7 +65,8 @@ impl Prepared {
         let mut worlds = BTreeMap::new();
         for (id, setup) in &setups {
             let arms = controllers_of(&file.cells, id);
-            let world = World::try_new(setup, &arms).with_context(|| format!("the set-up of cell `{id}`"))?;
+            let world = World::try_new(setup, &arms)
+                .with_context(|| format!("the set-up of cell `{id}`"))?;
             let _one = worlds.insert(id.clone(), world);
         }
         let world_of = |controller: &str| {
@@ -75,18 +76,20 @@ impl Prepared {
             })?;
             worlds.get(&cell.id).cloned()
         };
-        let controllers = virtual_controllers::prepare_all(
-            &file.virtual_controllers,
-            &loaded.folder,
-            &world_of,
-        )?;
+        let controllers =
+            virtual_controllers::prepare_all(&file.virtual_controllers, &loaded.folder, &world_of)?;
         let mut robots = Vec::new();
         for (index, section) in file.virtual_mobile_robots.iter().enumerate() {
             let key = format!("virtual_mobile_robots[{index}]");
             let setup = setups
                 .get(&section.cell)
                 .with_context(|| format!("{key}.cell: `{}` has no set-up", section.cell))?;
-            robots.push(mobile_robots::prepare(section, setup, &loaded.folder, &key)?);
+            robots.push(mobile_robots::prepare(
+                section,
+                setup,
+                &loaded.folder,
+                &key,
+            )?);
         }
         Ok(Self {
             controllers,

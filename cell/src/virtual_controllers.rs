@@ -144,7 +144,12 @@ fn prepare(
     if runs_ours && section.runs == Runs::SockServer {
         config = config.with_program(ProgramSource::new("sock_server.kl", SOCK_SERVER));
     }
-    config.port_map.extend(section.ports.iter().map(|(program, host)| (*program, *host)));
+    config.port_map.extend(
+        section
+            .ports
+            .iter()
+            .map(|(program, host)| (*program, *host)),
+    );
     config.second_client = match section.second_client {
         SecondClientWord::Backlog => SecondClient::Backlog,
         SecondClientWord::Refuse => SecondClient::Refuse,

@@ -138,6 +138,7 @@ impl World {
     }
 
     /// Lets a mobile robot take part; what happens to its slots comes out of the receiver.
+    #[must_use]
     pub fn add_mobile_robot(&self, id: &str, pose: FloorPoseBody) -> mpsc::Receiver<SlotChange> {
         let (changes, happened) = mpsc::channel(PENDING);
         let mobile = Mobile { pose, changes };

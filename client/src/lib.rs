@@ -9,6 +9,7 @@
 //!   ├─ Control ── who may move the robots of a cell: take it, keep it, give it back
 //!   ├─ CellSetup ── export, import, check, parts, teach, calibrate
 //!   ├─ Robot ── description, state, forward, inverse, motions
+//!   ├─ Jobs ── jobs, sessions, loads, the cell's state
 //!   └─ MobileRobotClient ── state, signals, outbox
 //! EmulatorClient ── state, ledger, alarms
 //! ```
@@ -52,6 +53,7 @@ mod emulator;
 mod error;
 mod events;
 mod http;
+mod jobs;
 mod legacy;
 mod mobile;
 mod panel;
@@ -65,6 +67,7 @@ pub use emulator::EmulatorClient;
 pub use error::ClientError;
 pub use events::{EventStream, Told};
 pub use http::Timeouts;
+pub use jobs::Jobs;
 pub use mobile::MobileRobotClient;
 pub use panel::{
     Alarm, EmulatorJoints, EmulatorState, JointLimit, LedgerEntry, LedgerEvent, Log, Tag, Task,

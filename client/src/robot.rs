@@ -178,7 +178,7 @@ impl Robot {
         self.command_on_motion(id, "pause").await
     }
 
-    /// Lets a motion on hold go on.
+    /// Lets a motion on hold go on. It needs control of the cell.
     ///
     /// # Errors
     /// As [`Robot::pause_motion`].
@@ -210,7 +210,7 @@ impl Robot {
         self.get(&["speed-override"]).json().await
     }
 
-    /// Sets the controller's general speed override.
+    /// Sets the controller's general speed override. It needs control of the cell.
     ///
     /// # Errors
     /// A problem `not-supported` if it cannot be told; else as [`Robot::create_motion`].

@@ -9,6 +9,7 @@ use karel_emulator::{CmosMemory, LedgerEvent};
 const THERE: [f64; 6] = [20.0, 10.0, -10.0, 5.0, -60.0, 15.0];
 const BACK: [f64; 6] = [0.0, 0.0, 0.0, 0.0, -90.0, 0.0];
 
+/// Covers: K1.
 #[tokio::test]
 async fn a_silent_client_costs_half_a_second_and_a_late_command_is_refused() {
     let cell = cell();
@@ -38,6 +39,7 @@ async fn a_silent_client_costs_half_a_second_and_a_late_command_is_refused() {
     assert!(starts(&cell).await.is_empty());
 }
 
+/// Covers: W3.
 #[tokio::test]
 async fn a_client_may_vanish_at_any_byte_and_the_next_one_is_served() {
     let cell = cell();
@@ -61,6 +63,7 @@ async fn a_client_may_vanish_at_any_byte_and_the_next_one_is_served() {
     assert_eq!(line.next().await[0], "DONE");
 }
 
+/// Covers: K4, K6.
 #[tokio::test]
 async fn garbage_and_lines_without_end_get_an_answer_and_do_no_harm() {
     let cell = cell();
@@ -112,6 +115,7 @@ async fn garbage_and_lines_without_end_get_an_answer_and_do_no_harm() {
     assert!(starts(&cell).await.is_empty());
 }
 
+/// Covers: W3.
 #[tokio::test]
 async fn every_damaged_byte_of_a_command_is_noticed() {
     let cell = cell();
@@ -189,6 +193,7 @@ async fn heartbeats_of_an_old_epoch_do_not_count() {
     );
 }
 
+/// Covers: W8.
 #[tokio::test]
 async fn a_stop_or_a_fence_kills_the_nonce_that_is_out() {
     let cell = cell();
@@ -204,6 +209,7 @@ async fn a_stop_or_a_fence_kills_the_nonce_that_is_out() {
     assert!(starts(&cell).await.is_empty());
 }
 
+/// Covers: C1.
 #[tokio::test]
 async fn the_power_fails_in_a_motion_and_the_numbers_survive() {
     let cell = cell();
@@ -244,6 +250,7 @@ async fn without_its_battery_the_controller_starts_from_nothing() {
     );
 }
 
+/// Covers: C6.
 #[tokio::test]
 async fn an_abort_of_everything_makes_the_ports_silent_and_the_arm_stops() {
     let cell = cell();

@@ -30,6 +30,7 @@ async fn refused_with_6(cell: &Stepped, seq: u32) {
     assert_eq!(answer, ["ERR", "6"]);
 }
 
+/// Covers: C2.
 #[tokio::test]
 async fn an_emergency_stop_ends_the_motion_and_nothing_resumes_after_the_reset() {
     let cell = cell();
@@ -61,6 +62,7 @@ async fn an_emergency_stop_ends_the_motion_and_nothing_resumes_after_the_reset()
     assert_eq!(starts(&cell).await, [(1000, 1), (1000, 2)]);
 }
 
+/// Covers: C4.
 #[tokio::test]
 async fn the_pendant_and_the_manual_modes_end_the_motion_and_refuse_commands() {
     let acts: [(&str, Operation, Operation, i64, i64); 3] = [
@@ -117,6 +119,7 @@ async fn the_pendant_and_the_manual_modes_end_the_motion_and_refuse_commands() {
     }
 }
 
+/// Covers: C3.
 #[tokio::test]
 async fn hold_at_the_controller_is_reported_and_only_the_operator_continues() {
     let cell = cell();
@@ -174,6 +177,7 @@ async fn a_held_motion_without_heartbeats_is_ended_and_a_cycle_start_does_not_re
     assert_eq!(events, [Started, Held, Cancelled]);
 }
 
+/// Covers: C5.
 #[tokio::test]
 async fn alarms_end_the_motion_by_their_severity_and_are_reported_until_reset() {
     for (severity, status_of_end) in [

@@ -160,6 +160,7 @@ async fn every_refusal_says_why_and_stores_nothing() {
     assert!(cell.controller.ledger().await.unwrap().is_empty());
 }
 
+/// Covers: W8.
 #[tokio::test]
 async fn a_number_that_was_accepted_is_a_duplicate_and_an_older_epoch_is_stale() {
     let cell = cell();

@@ -148,6 +148,7 @@ async fn a_tag_that_another_task_disconnects_ends_the_wait_and_no_port_is_kept()
     assert!(open_files() < before + 250, "{} files", open_files());
 }
 
+/// Covers: K6.
 #[tokio::test]
 async fn a_program_that_writes_for_ever_to_a_deaf_client_waits() {
     let mut config =
@@ -170,6 +171,7 @@ async fn a_program_that_writes_for_ever_to_a_deaf_client_waits() {
     within(controller.shutdown()).await;
 }
 
+/// Covers: K4.
 #[tokio::test]
 async fn ten_megabytes_without_a_delimiter_are_one_wrong_command() {
     for config in [

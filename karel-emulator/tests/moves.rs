@@ -97,6 +97,7 @@ async fn refusals_move_nothing_and_the_next_client_is_served() {
     assert_eq!(call(address, LINE).await, ACCEPTED);
 }
 
+/// Covers: K8.
 #[tokio::test]
 async fn a_second_command_waits_behind_the_running_motion() {
     let cell = Stepped::start(&sock_server());

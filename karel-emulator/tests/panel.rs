@@ -11,6 +11,7 @@ fn with_panel(mut config: ControllerConfig) -> ControllerConfig {
     config
 }
 
+/// Covers: K6.
 #[tokio::test]
 async fn an_endless_loop_in_a_program_does_not_stop_the_panel() {
     let program = "PROGRAM busy\nVAR n : INTEGER\nBEGIN\nn = 0\nWHILE TRUE DO\nn = 1 - n\nENDWHILE\nEND busy\n";
@@ -94,6 +95,7 @@ async fn clients_that_hold_the_panel_get_no_more_than_its_places_and_stop_nobody
     within(cell.controller.shutdown()).await;
 }
 
+/// Covers: K9.
 #[tokio::test]
 async fn only_loopback_is_opened_without_permission() {
     let mut config = with_panel(sock_server());

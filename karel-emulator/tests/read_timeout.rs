@@ -26,6 +26,7 @@ BEGIN
 END t
 ";
 
+/// Covers: K1.
 #[tokio::test]
 async fn a_silent_client_is_given_up_after_the_timeout_and_the_next_is_served() {
     let cell = Stepped::start(&config_of(PROGRAM, &[PORT]));

@@ -87,6 +87,7 @@ async fn a_second_task_serves_its_own_port_while_the_first_waits() {
     assert_eq!(names, ["MAIN", "STATUS"]);
 }
 
+/// Covers: K6.
 #[tokio::test]
 async fn programs_that_start_each_other_for_ever_do_not_stop_the_clock() {
     let main = "PROGRAM main\nVAR s: INTEGER\nBEGIN\nWHILE TRUE DO\n\

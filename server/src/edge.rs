@@ -266,6 +266,7 @@ mod tests {
         (status, serde_json::from_slice(&body).unwrap())
     }
 
+    /// Covers: R9.
     #[tokio::test]
     async fn a_panic_in_a_handler_is_a_problem_and_leaves_open_what_was_done() {
         let router = Router::new().route("/fanuc/home", post(async || -> () { panic!("secret") }));

@@ -11,7 +11,9 @@ use axum::http::request::Parts;
 use axum::http::{HeaderMap, HeaderValue, header};
 use bytes::Bytes;
 use http_body_util::{BodyExt as _, LengthLimitError, Limited};
+use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde_json::Value;
 use thiserror::Error;
 use tokio::time::timeout;
 
@@ -34,6 +36,21 @@ impl<T: DeserializeOwned> FromRequest<Arc<App>> for JsonBody<T> {
     async fn from_request(request: Request, app: &Arc<App>) -> Result<Self, Problem> {
         let body = read_json(request, &app.server).await?;
         Ok(Self(body))
+    }
+}
+
+/// A JSON body in which some values are lists.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ListJson<T>(pub(crate) T);
+
+impl<T: DeserializeOwned + Serialize> FromRequest<Arc<App>> for ListJson<T> {
+    type Rejection = Problem;
+
+    async fn from_request(request: Request, app: &Arc<App>) -> Result<Self, Problem> {
+        check_content_type(request.headers())?;
+        let limits = &app.server;
+        let body = read_body(request, limits, limits.max_body_bytes).await?;
+        Ok(Self(parse_with_lists(&body)?))
     }
 }
 
@@ -185,10 +202,7 @@ pub(crate) async fn read_body(
 }
 
 fn parse_json<T: DeserializeOwned>(body: &[u8]) -> Result<T, BodyError> {
-    let mut json = serde_json::Deserializer::from_slice(body);
-    // The path is tracked only where there is an error to report: tracking it allocates for every field.
-    let value = T::deserialize(&mut json).map_err(|_| explain::<T>(body))?;
-    json.end().map_err(|error| syntax(body, &error))?;
+    let value = read_value(body)?;
     // serde takes an array for an object, its values in the order of the fields. No body here holds an array.
     if holds_array(body) {
         return Err(BodyError::Shape {
@@ -196,6 +210,48 @@ fn parse_json<T: DeserializeOwned>(body: &[u8]) -> Result<T, BodyError> {
             message: "invalid type: array, expected objects with named values".to_owned(),
         });
     }
+    Ok(value)
+}
+
+/// As [`parse_json`], where arrays are allowed for what is written as one, and nowhere else.
+fn parse_with_lists<T: DeserializeOwned + Serialize>(body: &[u8]) -> Result<T, BodyError> {
+    let value = read_value(body)?;
+    let sent: Value = read_value(body)?;
+    let understood = serde_json::to_value(&value).unwrap_or_default();
+    match array_for_object(&sent, &understood) {
+        None => Ok(value),
+        Some(path) => Err(BodyError::Shape {
+            item: item_of(path.trim_start_matches('.'), ""),
+            message: "invalid type: array, expected an object with named values".to_owned(),
+        }),
+    }
+}
+
+/// The path of the first array that was read as an object.
+fn array_for_object(sent: &Value, understood: &Value) -> Option<String> {
+    match (sent, understood) {
+        (Value::Array(_), Value::Object(_)) => Some(String::new()),
+        (Value::Array(sent), Value::Array(understood)) => sent
+            .iter()
+            .zip(understood)
+            .enumerate()
+            .find_map(|(index, (sent, understood))| {
+                let rest = array_for_object(sent, understood)?;
+                Some(format!("[{index}]{rest}"))
+            }),
+        (Value::Object(sent), Value::Object(understood)) => sent.iter().find_map(|(key, sent)| {
+            let rest = array_for_object(sent, understood.get(key)?)?;
+            Some(format!(".{key}{rest}"))
+        }),
+        _ => None,
+    }
+}
+
+fn read_value<T: DeserializeOwned>(body: &[u8]) -> Result<T, BodyError> {
+    let mut json = serde_json::Deserializer::from_slice(body);
+    // The path is tracked only where there is an error to report: tracking it allocates for every field.
+    let value = T::deserialize(&mut json).map_err(|_| explain::<T>(body))?;
+    json.end().map_err(|error| syntax(body, &error))?;
     Ok(value)
 }
 
@@ -333,6 +389,23 @@ mod tests {
         assert!(explained(text).starts_with("body: invalid type: array"));
         let text = r#"{"type": "HOME", "speed_mm_s": 200, "reason": "\"[1]"}"#;
         assert!(parse_json::<api::MotionBody>(text.as_bytes()).is_ok());
+    }
+
+    #[test]
+    fn an_array_is_a_list_only_where_there_is_one() {
+        let job = |params: &str| {
+            let text = format!(r#"{{"workflow": "delivery-and-placement", "params": {params}}}"#);
+            parse_with_lists::<api::JobBody>(text.as_bytes()).map_err(|error| error.to_string())
+        };
+        let list = r#"{"point": "a/b", "items": [{"type": "t", "mr_slot": "s", "place": "p", "alternates": ["q"]}]}"#;
+        assert!(job(list).is_ok());
+        let error = job(r#"{"point": "a/b", "items": [[null, "t", "s", "p"]]}"#).unwrap_err();
+        assert!(
+            error.starts_with("params.items[0]: invalid type: array"),
+            "{error}"
+        );
+        let error = job(r#"[null, null, "a/b", []]"#).unwrap_err();
+        assert!(error.starts_with("params: invalid type: array"), "{error}");
     }
 
     #[test]

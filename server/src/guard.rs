@@ -108,6 +108,7 @@ mod tests {
         assert_eq!(checked(&Method::POST, &[]), None);
     }
 
+    /// Covers: X6.
     #[test]
     fn a_name_that_was_made_to_resolve_to_this_machine_is_refused() {
         for host in [
@@ -123,6 +124,7 @@ mod tests {
         }
     }
 
+    /// Covers: X5.
     #[test]
     fn a_command_from_another_sites_page_is_refused() {
         let host = ("host", "127.0.0.1:8080");

@@ -58,6 +58,7 @@ mod events;
 mod extract;
 mod guard;
 pub mod identity;
+mod jobs;
 mod journal;
 mod link;
 mod metrics;
@@ -74,6 +75,7 @@ mod target;
 mod wire_bodies;
 
 pub use self::journal::{JournalError, SharedJournal, open as open_journal};
+pub use cell::StartError as CellStartError;
 pub use clock::{SystemClock, WallClock};
 pub use config::{ConfigError, Plan};
 pub use connections::Listener;

@@ -22,14 +22,26 @@ at most once.
 
 This is not a safety function: emergency stop and guards are hard-wired in the controller.";
 
-const TAGS: [(&str, &str); 13] = [
+const TAGS: [(&str, &str); 16] = [
     ("motions", "Moving a robot, and what became of it."),
+    (
+        "jobs",
+        "The group workflows: arms and mobile robots together. A job is asked for, waits in the queue, and runs by itself.",
+    ),
     (
         "mobile-robots",
         "What mobile robots tell the cell, and what it tells them.",
     ),
     ("events", "What happens, live and from the journal."),
     ("interventions", "What only a person can decide."),
+    (
+        "hand-over",
+        "Sessions at the points where arms and mobile robots meet: states, permits, timers.",
+    ),
+    (
+        "loads",
+        "Where each load is, how that is known, and what to do where it is not.",
+    ),
     ("robots", "What a robot is, and what is known of it now."),
     (
         "kinematics",

@@ -78,6 +78,7 @@ mod tests {
         assert_eq!(&*id_for(b"Line-4.job_17"), "Line-4.job_17");
     }
 
+    /// Covers: X10.
     #[test]
     fn an_id_that_could_forge_a_log_line_is_replaced() {
         let long = [b'a'; 65];

@@ -1,18 +1,20 @@
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use api::{LinkState, Tier};
+use axum::http::Uri;
 use kinematics::PendantJoints;
 use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
-use crate::authority::{CellControl, EpochStore, LeaseClock, MemoryEpochs};
+use crate::authority::{AtLoss, CellControl, EpochStore, LeaseClock};
 use crate::cell::{self, CellHandle};
 use crate::clock::WallClock;
-use crate::config::{Plan, RobotPlan, ServerPlan};
+use crate::config::{CellPlan, Plan, RobotPlan, ServerPlan};
 use crate::events::Events;
-use crate::identity::{AuditSink, Identity, TracingAudit};
-use crate::journal::SharedJournal;
+use crate::identity::{AuditSink, Identity};
+use crate::journal::{JournalAudit, JournalEpochs, SharedJournal};
 use crate::link::cell_server::{self, CellServerLink, CellServerPlan};
 use crate::link::{self, Connector, Link, Owner};
 use crate::metrics::{LinkMetrics, Metrics};
@@ -119,6 +121,160 @@ pub struct Seams<C> {
     pub journal: SharedJournal,
 }
 
+/// Takes up the motions of earlier processes, and has those asked about that may have been under way.
+async fn take_up(
+    journal: &SharedJournal,
+    robots: Vec<Arc<Robot>>,
+    tracker: &TaskTracker,
+    stop: &CancellationToken,
+) -> Result<(), ServeError> {
+    let all: Vec<_> = robots
+        .iter()
+        .map(|robot| Arc::clone(&robot.motions))
+        .collect();
+    motions::recover(journal, &all)
+        .await
+        .map_err(ServeError::Journal)?;
+    for robot in robots {
+        if let RobotLink::CellServer(link) = &robot.link {
+            let motions = Arc::clone(&robot.motions);
+            drop(tracker.spawn(motions.reconcile(link.clone(), stop.clone())));
+        }
+    }
+    Ok(())
+}
+
+/// What is told when control is lost.
+fn at_loss(robots: &[Arc<Robot>], tracker: &TaskTracker) -> Arc<AtLoss> {
+    let robots = robots.iter().map(|robot| {
+        let link = match &robot.link {
+            RobotLink::Seed(_) => None,
+            RobotLink::CellServer(link) => Some(link.clone()),
+        };
+        (Arc::clone(&robot.motions), link)
+    });
+    Arc::new(AtLoss {
+        robots: robots.collect(),
+        tracker: tracker.clone(),
+    })
+}
+
+/// What a robot's parts are made of.
+struct RobotParts<'a, C> {
+    metrics: &'a Metrics,
+    connector: &'a Arc<C>,
+    clock: &'a Arc<dyn WallClock>,
+    journal: &'a SharedJournal,
+    tracker: &'a TaskTracker,
+    stop: &'a CancellationToken,
+}
+
+impl<C: Connector> RobotParts<'_, C> {
+    fn start(&self, plan: RobotPlan) -> Arc<Robot> {
+        let plan = Arc::new(plan);
+        let motions = Arc::new(Motions::new(
+            Arc::clone(&plan),
+            Arc::clone(self.clock),
+            self.journal.clone(),
+            self.tracker.clone(),
+        ));
+        let metrics = self.metrics.link(&plan);
+        let link = match plan.tier {
+            Tier::Seed | Tier::SeedStatus => {
+                let owner = Owner {
+                    plan: Arc::clone(&plan),
+                    motions: Arc::clone(&motions),
+                    connector: Arc::clone(self.connector),
+                    metrics: metrics.clone(),
+                };
+                RobotLink::Seed(link::spawn(owner, self.tracker, self.stop.clone()))
+            }
+            Tier::CellServer => RobotLink::CellServer(cell_server::spawn(
+                CellServerPlan::of(&plan, self.metrics.controller_link(&plan)),
+                Arc::clone(self.connector),
+                Arc::clone(&motions),
+                self.journal.epoch().0,
+                self.tracker,
+                self.stop.clone(),
+            )),
+        };
+        Arc::new(Robot {
+            plan,
+            link,
+            motions,
+            metrics,
+        })
+    }
+}
+
+/// A cell whose robots' links run, and whose work has not begun.
+struct Ready {
+    id: String,
+    name: String,
+    control: Arc<CellControl>,
+    robots: Vec<Arc<Robot>>,
+    setup: Arc<SetupBook>,
+    push_urls: BTreeMap<String, Uri>,
+}
+
+impl Ready {
+    fn of<C: Connector>(
+        plan: CellPlan,
+        control: Arc<CellControl>,
+        parts: &RobotParts<'_, C>,
+    ) -> Result<Self, ServeError> {
+        let robots: Vec<_> = plan
+            .robots
+            .into_iter()
+            .map(|plan| parts.start(plan))
+            .collect();
+        let plans = robots.iter().map(|robot| Arc::clone(&robot.plan)).collect();
+        let setup = SetupBook::open(plan.setup.as_ref(), plans);
+        Ok(Self {
+            id: plan.id,
+            name: plan.name,
+            control,
+            robots,
+            setup: Arc::new(setup.map_err(ServeError::Setup)?),
+            push_urls: plan.push_urls,
+        })
+    }
+
+    /// Starts the cell's work, after what its robots were doing was taken up.
+    async fn start<C: Connector>(
+        self,
+        parts: &RobotParts<'_, C>,
+        keys: &InFlight,
+    ) -> Result<Cell, ServeError> {
+        let work = cell::Parts {
+            id: &self.id,
+            robots: &self.robots,
+            setup: &self.setup,
+            control: &self.control,
+            journal: parts.journal,
+            wall: parts.clock,
+            keys,
+            tracker: parts.tracker,
+            stop: parts.stop,
+        };
+        let work = work.start().await.map_err(ServeError::Cell)?;
+        self.control.observe(at_loss(&self.robots, parts.tracker));
+        let outboxes = cell::Outboxes::new(work.clone(), Arc::clone(&self.setup));
+        for (robot, url) in self.push_urls {
+            let pushing = cell::push(robot, url.to_string(), outboxes.clone(), parts.stop.clone());
+            drop(parts.tracker.spawn(pushing));
+        }
+        Ok(Cell {
+            id: self.id,
+            name: self.name,
+            control: self.control,
+            robots: self.robots,
+            setup: self.setup,
+            work,
+        })
+    }
+}
+
 impl App {
     /// Takes up what the journal knows, and starts the links. They end once `stop` is cancelled; `tracker` waits for them.
     pub(crate) async fn start<C: Connector>(
@@ -133,44 +289,19 @@ impl App {
         let connector = Arc::new(seams.connector);
         let clock = seams.clock;
         let journal = seams.journal;
-        let start_robot = |plan: RobotPlan| {
-            let plan = Arc::new(plan);
-            let motions = Arc::new(Motions::new(
-                Arc::clone(&plan),
-                Arc::clone(&clock),
-                journal.clone(),
-                tracker.clone(),
-            ));
-            let controller = metrics.controller_link(&plan);
-            let metrics = metrics.link(&plan);
-            let link = match plan.tier {
-                Tier::Seed | Tier::SeedStatus => {
-                    let owner = Owner {
-                        plan: Arc::clone(&plan),
-                        motions: Arc::clone(&motions),
-                        connector: Arc::clone(&connector),
-                        metrics: metrics.clone(),
-                    };
-                    RobotLink::Seed(link::spawn(owner, tracker, stop.clone()))
-                }
-                Tier::CellServer => RobotLink::CellServer(cell_server::spawn(
-                    CellServerPlan::of(&plan, controller),
-                    Arc::clone(&connector),
-                    Arc::clone(&motions),
-                    journal.epoch().0,
-                    tracker,
-                    stop.clone(),
-                )),
-            };
-            Arc::new(Robot {
-                plan,
-                link,
-                motions,
-                metrics,
-            })
+        let parts = RobotParts {
+            metrics: &metrics,
+            connector: &connector,
+            clock: &clock,
+            journal: &journal,
+            tracker,
+            stop,
         };
-        let audit: Arc<dyn AuditSink> = Arc::new(TracingAudit);
-        let epochs: Arc<dyn EpochStore> = Arc::new(MemoryEpochs::default());
+        let audit: Arc<dyn AuditSink> = Arc::new(JournalAudit {
+            journal: journal.clone(),
+            clock: Arc::clone(&clock),
+        });
+        let epochs: Arc<dyn EpochStore> = Arc::new(JournalEpochs::new(journal.clone()));
         let start_control = |cell: &str| {
             let time = LeaseClock::new(Arc::clone(&clock));
             let control = CellControl::new(cell, time, Arc::clone(&epochs), Arc::clone(&audit));
@@ -183,56 +314,16 @@ impl App {
             .into_iter()
             .map(|cell| {
                 let control = start_control(&cell.id);
-                let robots: Vec<_> = cell.robots.into_iter().map(start_robot).collect();
-                let plans = robots.iter().map(|robot| Arc::clone(&robot.plan)).collect();
-                let setup = SetupBook::open(cell.setup.as_ref(), plans);
-                let setup = Arc::new(setup.map_err(ServeError::Setup)?);
-                Ok((cell.id, cell.name, control, robots, setup, cell.push_urls))
+                Ready::of(cell, control, &parts)
             })
             .collect::<Result<_, ServeError>>()?;
 
-        let all: Vec<_> = ready
-            .iter()
-            .flat_map(|(_, _, _, robots, ..)| robots)
-            .map(|robot| Arc::clone(&robot.motions))
-            .collect();
-        motions::recover(&journal, &all)
-            .await
-            .map_err(ServeError::Journal)?;
-        for robot in ready.iter().flat_map(|(_, _, _, robots, ..)| robots) {
-            if let RobotLink::CellServer(link) = &robot.link {
-                let motions = Arc::clone(&robot.motions);
-                drop(tracker.spawn(motions.reconcile(link.clone(), stop.clone())));
-            }
-        }
+        let robots = ready.iter().flat_map(|cell| &cell.robots);
+        take_up(&journal, robots.cloned().collect(), tracker, stop).await?;
         let keys = InFlight::default();
         let mut cells = Vec::with_capacity(ready.len());
-        for (id, name, control, robots, setup, push_urls) in ready {
-            let parts = cell::Parts {
-                id: &id,
-                robots: &robots,
-                setup: &setup,
-                control: &control,
-                journal: &journal,
-                wall: &clock,
-                keys: &keys,
-                tracker,
-                stop,
-            };
-            let work = parts.start().await.map_err(ServeError::Cell)?;
-            let outboxes = cell::Outboxes::new(work.clone(), Arc::clone(&setup));
-            for (robot, url) in push_urls {
-                let url = url.to_string();
-                drop(tracker.spawn(cell::push(robot, url, outboxes.clone(), stop.clone())));
-            }
-            cells.push(Cell {
-                id,
-                name,
-                control,
-                robots,
-                setup,
-                work,
-            });
+        for cell in ready {
+            cells.push(cell.start(&parts, &keys).await?);
         }
         let watched = cells
             .iter()

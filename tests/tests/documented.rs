@@ -139,14 +139,20 @@ async fn the_examples_of_the_openapi_document_work_when_they_are_tried() -> anyh
             let Some(path) = filled(path, operation) else {
                 continue;
             };
-            // In a demo there are none.
-            if path.starts_with("/api/v1/tokens") {
+            // In a demo there are no tokens, and the set-up of this cell is empty: it has no mobile robot.
+            let absent = ["/api/v1/tokens", "/setup/", "/mobile-robots/"];
+            if absent.iter().any(|part| path.contains(part)) {
                 continue;
             }
             let method: Method = method.to_uppercase().parse()?;
             let mut request = http.request(method.clone(), format!("{base}{path}"));
             if !control.is_empty() {
                 request = request.header("control-token", &control);
+            }
+            if method == Method::PUT && path.ends_with("/setup") {
+                let now = http.get(format!("{base}{path}")).send().await?;
+                let tag = now.headers().get("etag").context("no ETag")?;
+                request = request.header("if-match", tag);
             }
             let schema = &operation["requestBody"]["content"]["application/json"]["schema"];
             if let Some(reference) = schema["$ref"].as_str() {
@@ -176,7 +182,7 @@ async fn the_examples_of_the_openapi_document_work_when_they_are_tried() -> anyh
             }
         }
     }
-    assert_eq!(bodies, 8);
+    assert_eq!(bodies, 10);
     cell.shutdown().await
 }
 

@@ -103,7 +103,7 @@ async fn a_refused_connection_proves_that_nothing_was_sent() -> anyhow::Result<(
     Ok(())
 }
 
-/// Covers: W5.
+/// Covers: W5, N1.
 #[tokio::test]
 async fn a_command_swallowed_on_its_way_is_in_doubt() -> anyhow::Result<()> {
     let line = Line::impatient([]).await?;
@@ -115,7 +115,7 @@ async fn a_command_swallowed_on_its_way_is_in_doubt() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Covers: W3.
+/// Covers: W3, W3.
 #[tokio::test]
 async fn a_command_cut_short_is_in_doubt_and_not_repeated() -> anyhow::Result<()> {
     let line = Line::start([]).await?;
@@ -128,7 +128,7 @@ async fn a_command_cut_short_is_in_doubt_and_not_repeated() -> anyhow::Result<()
     Ok(())
 }
 
-/// Covers: W4.
+/// Covers: W4, N5.
 #[tokio::test]
 async fn a_reply_cut_short_is_in_doubt_whatever_it_began_with() -> anyhow::Result<()> {
     for length in [0, 1, 6, ACCEPTED.len() - 1] {
@@ -143,6 +143,7 @@ async fn a_reply_cut_short_is_in_doubt_whatever_it_began_with() -> anyhow::Resul
     Ok(())
 }
 
+/// Covers: W4.
 #[tokio::test]
 async fn a_corrupted_reply_is_in_doubt() -> anyhow::Result<()> {
     let line = Line::start([]).await?;
@@ -153,7 +154,7 @@ async fn a_corrupted_reply_is_in_doubt() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Covers: W7.
+/// Covers: W7, W7.
 #[tokio::test]
 async fn a_doubled_reply_answers_no_later_command() -> anyhow::Result<()> {
     let line = Line::start([Turn::reply(ACCEPTED), Turn::reply(UNREACHABLE)]).await?;
@@ -169,7 +170,7 @@ async fn a_doubled_reply_answers_no_later_command() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Covers: W7.
+/// Covers: W7, W7, N3.
 #[tokio::test]
 async fn a_late_reply_is_never_taken_for_the_next_one() -> anyhow::Result<()> {
     let gate = Gate::new();

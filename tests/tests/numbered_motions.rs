@@ -8,8 +8,8 @@
 use std::time::Duration;
 
 use api::{
-    JointsBody, Motion, MotionBody, MotionState, MotionType, PoseBody, ProblemCode, RelativeTo,
-    SpeedOverride, StopBody, StopEffect, TargetBody, Tier,
+    AcquireBody, JointsBody, LossBehavior, Motion, MotionBody, MotionState, MotionType, PoseBody,
+    ProblemCode, RelativeTo, SpeedOverride, Station, StopBody, StopEffect, TargetBody, Tier,
 };
 use client::{Ask, ClientError, Robot};
 use journal::{Clocks, KeyRetention, MemoryDisk, MemoryJournal, Opening};
@@ -18,7 +18,7 @@ use karel_emulator::{Clock, ControllerConfig, LedgerEvent, PeerLabels, VirtualCo
 use kinematics::ArmModel;
 use server::config::RobotSection;
 use server::{SharedJournal, TcpConnector};
-use tests::{Look, MODEL, TestServer, robot_at, wait_until};
+use tests::{CELL, Look, MODEL, ROBOT, TestServer, robot_at, wait_until};
 
 const LONG: Duration = Duration::from_secs(30);
 const TIME_SCALE: f64 = 4.0;
@@ -252,6 +252,43 @@ async fn a_running_motion_is_held_slowed_canceled_and_stopped() -> anyhow::Resul
     let _ended = until_state(&robot, running.id, MotionState::Canceled).await?;
     assert_eq!(robot.motion(waiting.id).await?.state, MotionState::Canceled);
     assert_eq!(started(&controller).await, 2);
+    server.shutdown().await?;
+    controller.shutdown().await;
+    Ok(())
+}
+
+/// O4, SM-3: whoever has control falls silent while the arm moves, and what he asked for in that case happens.
+#[tokio::test]
+async fn a_lease_that_runs_out_does_to_the_motion_what_its_holder_asked_for() -> anyhow::Result<()>
+{
+    let (controller, disk) = (controller(), MemoryDisk::new());
+    let mut server = serve(&controller, &disk).await?;
+    server.give_up_control().await?;
+    for (behavior, state, y_mm) in [
+        (LossBehavior::Hold, MotionState::Paused, 700.0),
+        (LossBehavior::Stop1, MotionState::Canceled, -700.0),
+    ] {
+        // An eighth of a turn, some six seconds.
+        let far = PoseBody {
+            x_mm: 700.0,
+            y_mm,
+            ..POSE
+        };
+        let terms = AcquireBody {
+            station: Station::Remote,
+            ttl_s: Some(2),
+            loss_behavior: Some(behavior),
+            reason: "falls silent".to_owned(),
+            preempt: false,
+        };
+        let lease = server.client().control(CELL).acquire(&terms).await?;
+        let robot = server.client().with_control(lease.token).robot(CELL, ROBOT);
+        let slow = robot.create_motion(&to(far, 1.0)).await?;
+        let _ended = until_state(&robot, slow.id, state).await?;
+        if state == MotionState::Paused {
+            let _ended = robot.cancel_motion(slow.id).await?;
+        }
+    }
     server.shutdown().await?;
     controller.shutdown().await;
     Ok(())

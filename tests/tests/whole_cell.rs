@@ -141,6 +141,7 @@ async fn a_pose_out_of_reach_never_comes_near_the_controller() -> anyhow::Result
     cell.shutdown().await
 }
 
+/// Covers: W5, N2.
 #[tokio::test]
 async fn a_lost_reply_is_in_doubt_and_the_arm_moved_once() -> anyhow::Result<()> {
     let (cell, proxy) = TestCell::start_behind_proxy().await?;

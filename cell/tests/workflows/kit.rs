@@ -18,7 +18,7 @@ use tokio_util::sync::CancellationToken;
 /// Seconds of the cell in a second.
 pub(crate) const SCALE: f64 = 20.0;
 /// A job of two drives and a few motions takes about two minutes of the cell's time.
-pub(crate) const A_JOB: Duration = Duration::from_secs(60);
+pub(crate) const A_JOB: Duration = Duration::from_mins(1);
 const SETUP: &str = include_str!("../../demo.setup.toml");
 const BASE: &str = "/api/v1/cells/demo";
 
@@ -82,7 +82,10 @@ impl TestCell {
             loop {
                 match server::open_journal(&section, std::path::Path::new(""), &SystemClock).await {
                     Ok(journal) => return journal,
-                    Err(error) if format!("{error:?}").contains("lock") || format!("{error:?}").contains("use") => {
+                    Err(error)
+                        if format!("{error:?}").contains("lock")
+                            || format!("{error:?}").contains("use") =>
+                    {
                         tokio::task::yield_now().await;
                     }
                     Err(error) => panic!("{error:?}"),
@@ -102,7 +105,10 @@ impl TestCell {
             })
             .await
             .unwrap();
-        let serving = self.assembly.serve(listener, journal, stop.clone()).unwrap();
+        let serving = self
+            .assembly
+            .serve(listener, journal, stop.clone())
+            .unwrap();
         drop(runtime.spawn(serving));
         self.server = Some((runtime, stop));
         let _ready = self
@@ -130,7 +136,11 @@ impl TestCell {
         body: &Value,
     ) -> (StatusCode, Value) {
         let url = format!("http://{}{BASE}{path}", self.address);
-        let request = self.http.post(url).header("idempotency-key", key).json(body);
+        let request = self
+            .http
+            .post(url)
+            .header("idempotency-key", key)
+            .json(body);
         let answer = request.send().await.unwrap();
         let status = answer.status();
         (status, answer.json().await.unwrap_or(Value::Null))

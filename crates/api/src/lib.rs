@@ -5,18 +5,23 @@
 //! Requests refuse unknown and duplicate keys; answers may grow, so clients ignore keys they do not know.
 
 mod authority;
+mod cell_state;
 mod control;
 mod description;
 mod event;
 mod health;
 mod identity;
 mod intervention;
+mod job;
+mod job_history;
 mod kinematics;
 mod legacy;
+mod load;
 mod mobile;
 mod motion;
 mod pose;
 mod problem;
+mod session;
 pub mod setup;
 mod state;
 
@@ -24,6 +29,7 @@ pub use authority::{
     AcquireBody, ControlEnd, ControlHolder, ControlLease, ControlToken, ControlTokenError,
     ControlView, EndedLease, LossBehavior, Station, TransferBody,
 };
+pub use cell_state::{AlarmLevel, ArmState, CellAlarm, CellState, JobCount, SafetyState};
 pub use control::{MotionPreview, SpeedOverride, StopBody, StopCategory, StopResult};
 pub use description::{
     Capabilities, CellSummary, JointDescription, RobotDescription, RobotSummary, StopEffect, Tier,
@@ -38,7 +44,17 @@ pub use identity::{
     TokenState,
 };
 pub use intervention::{
-    AllowedAnswer, Intervention, InterventionKind, InterventionList, InterventionState, RespondBody,
+    AllowedAnswer, AnswerNeeds, CustodyAnswer, Intervention, InterventionDecision,
+    InterventionKind, InterventionList, InterventionState, RespondBody,
+};
+pub use job::{
+    ClaimBody, Compensation, CompleteOn, FaultName, Job, JobBody, JobCommand, JobCommandBody,
+    JobFault, JobItem, JobItemBody, JobList, JobOperation, JobParams, JobReason, JobState, JobStep,
+    JobSummary, OnCancelWithLoad, StepState, TimerBody, WorkflowName,
+};
+pub use job_history::{
+    AttemptReport, DecisionReport, FaultReport, JobEvent, JobEventList, JobReport, PhaseKind,
+    PhaseReport, StateTime,
 };
 pub use kinematics::{
     BranchBody, ForwardBody, ForwardResult, InverseBody, InverseResult, JointMargin,
@@ -47,6 +63,9 @@ pub use kinematics::{
 pub use legacy::{
     LegacyDelta, LegacyMoved, LegacyPoint, LegacyRefusal, LegacyValidation, LegacyValidationItem,
     LegacyVersion,
+};
+pub use load::{
+    CustodyBody, CustodyEvent, CustodyEvidence, Load, LoadDetail, LoadList, LoadLocation,
 };
 pub use mobile::{
     DockToleranceBody, FloorAreaBody, FloorPoseBody, MAX_MOBILE_ID, MAX_OUTBOX_WAIT_S,
@@ -60,4 +79,5 @@ pub use motion::{
 };
 pub use pose::{JointsBody, PoseBody};
 pub use problem::{Outcome, Problem, ProblemCode, ProblemKind, Violation};
+pub use session::{PointPermits, Session, SessionList, SessionState};
 pub use state::{ControllerState, LinkState, LinkStatus, OperationalMode, PoseSource, RobotState};

@@ -267,6 +267,16 @@ problem_codes! {
     HandoverConflict, "handover-conflict", 409, "The signal does not fit the hand-over";
     /// A signal for a hand-over that is over.
     SessionClosed, "session-closed", 410, "The hand-over session is closed";
+    /// The state of the job does not allow this.
+    WrongJobState, "wrong-job-state", 409, "The job's state does not allow this";
+    /// As many jobs are open as a cell may have.
+    QueueFull, "queue-full", 409, "The cell has as many jobs as it may";
+    /// The cell is still finding out what became of its last run, or too much waits for it.
+    CellNotReady, "cell-not-ready", 503, "The cell is not ready";
+    /// The answer to an intervention is not possible now.
+    AnswerNotPossible, "answer-not-possible", 409, "The answer is not possible now";
+    /// Another load is there, or a job works with the load.
+    CustodyConflict, "custody-conflict", 409, "The load cannot be booked there";
 }
 
 // By hand: the derived schema does not see a name that a macro gives, and would list the variants.

@@ -190,7 +190,11 @@ async fn a_decision_is_found_by_its_key(journal: &impl Journal, first: u64) {
     let other = journal.append(at(3), asked(first, "k1", "another")).await;
     assert!(other.is_err());
     assert_eq!(
-        journal.decided("c1", Position::START, 9).await.unwrap().len(),
+        journal
+            .decided("c1", Position::START, 9)
+            .await
+            .unwrap()
+            .len(),
         1
     );
 }

@@ -217,6 +217,7 @@ async fn a_journal_that_is_being_written_holds_at_every_moment() {
     let ((), ()) = tokio::join!(write, check);
 }
 
+/// Covers: R3.
 #[tokio::test]
 async fn a_full_queue_is_said_at_once_and_the_journal_goes_on() {
     let (_directory, path) = directory();

@@ -145,6 +145,7 @@ async fn verdict(sql: &'static str) -> VerifyError {
     verify(&path, Some(head)).await.unwrap_err()
 }
 
+/// Covers: X17.
 #[tokio::test]
 async fn a_changed_moved_or_missing_record_is_named() {
     let error = verdict("UPDATE records SET body = replace(body, 'r1', 'r2') WHERE position = 4");

@@ -252,6 +252,7 @@ proptest! {
         }
     }
 
+    /// Covers: W3.
     #[test]
     fn a_line_cut_short_and_ended_is_never_a_message(message in messages()) {
         let bytes = message.encode();

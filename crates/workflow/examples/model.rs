@@ -16,6 +16,7 @@ fn main() {
         jogs: 1,
         drives: 1,
         lies: 1,
+        give_ups: 1,
     };
     let start = std::time::Instant::now();
     let checker = Handover {
@@ -33,5 +34,13 @@ fn main() {
         checker.max_depth(),
         start.elapsed().as_secs_f64()
     );
-    checker.assert_properties();
+    // Breadth first, as far as it went: that both visits can end is shown by the test, inside smaller bounds.
+    for bad in [
+        "no motion twice",
+        "done means done",
+        "in order",
+        "one in the zone",
+    ] {
+        assert!(checker.discovery(bad).is_none(), "{bad} is broken");
+    }
 }

@@ -206,7 +206,10 @@ impl Work<'_> {
             }
             Answer::Retry => self.retry(job, question, &why, &reason),
             Answer::Redispatch => {
-                self.redispatch(job);
+                if !self.redispatch(job) {
+                    // It waits once more for the one that was ordered.
+                    self.again(job, Phase::Await);
+                }
                 self.resume_job(job, why, &reason);
             }
             Answer::ChooseMobileRobot => {

@@ -8,6 +8,24 @@
 //! `decide` works on a copy and folds each fact it finds before it looks for the next one, so that a decision and its
 //! replay cannot differ. Timers and permits are derived from the state and never kept: after a restart both permits
 //! are 0 and every wait is armed anew.
+//!
+//! # Example
+//! ```
+//! use workflow::{Cell, CountingIds, Input, Setup};
+//!
+//! let mut cell = Cell::new(Setup { arms: vec!["r1".into()], ..Setup::default() });
+//! let mut ids = CountingIds::default();
+//! // After a start: replay what the journal kept, then recover. Nothing else is possible before.
+//! assert!(cell.decide(0, Input::Tick, &mut ids).is_err());
+//! let decision = cell.decide(0, Input::Recover, &mut ids)?;
+//! for fact in &decision.facts {
+//!     // Keep it if `fact.is_durable()`; then fold it, and carry out what follows.
+//!     let effects = cell.apply(0, fact);
+//!     assert!(effects.is_empty());
+//! }
+//! assert!(cell.violations().is_empty());
+//! # Ok::<(), workflow::Refusal>(())
+//! ```
 
 mod answer;
 mod book;

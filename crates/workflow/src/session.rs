@@ -131,6 +131,7 @@ pub(crate) struct Session {
     pub docked: Option<BasePose>,
     pub ready: bool,
     pub cleared: bool,
+    /// ASSUMPTION: a mobile robot that once reported this order reports it until the order is over.
     /// It repeats the order it works on in its state; then a state without it means that it was dropped.
     pub echoes: bool,
     /// It was seen driving out.

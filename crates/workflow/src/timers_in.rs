@@ -307,16 +307,22 @@ impl Work<'_> {
         if !extended && seen.is_some_and(|s| s.driving) {
             self.note(job.id, Fault::ArrivalLate, "late, but on its way");
             self.emit(Fact::StepResent { job: job.id, step });
-        } else if job.redispatches < self.cell.setup.timers.redispatches {
+        } else if job.redispatches < self.cell.setup.timers.redispatches && self.redispatch(job) {
             self.note(job.id, Fault::ArrivalLate, "it gets a new order");
-            self.redispatch(job);
         } else {
             let mobile_robot = &session.mobile_robot;
+            let mut known = self.known_of(job);
+            let mut answers = vec![Answer::Redispatch, Answer::Cancel];
+            let inside = |p| self.cell.arm_may_be_in(p);
+            if self.cell.setup.point(&session.point).is_some_and(inside) {
+                known.push("an arm is in the zone, so it has no permit to come in".into());
+                answers.push(Answer::Retreat);
+            }
             let ask = Ask {
                 question: format!("{mobile_robot} does not arrive. How should the job go on?"),
-                known: self.known_of(job),
+                known,
                 unknown: vec![format!("where {mobile_robot} is stuck")],
-                answers: vec![Answer::Redispatch, Answer::Cancel],
+                answers,
                 ..Ask::default()
             };
             self.react(

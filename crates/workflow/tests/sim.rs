@@ -1,6 +1,22 @@
 //! Thousands of seeds of bad luck: late, lost, doubled and swapped signals, failing grips, doubts, crashes, commands of
 //! a human who is not always right. The world's own truth is the judge. `SIM_SEEDS` sets how many.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    clippy::wildcard_enum_match_arm,
+    clippy::panic,
+    clippy::cast_possible_truncation,
+    clippy::print_stdout,
+    clippy::too_many_lines,
+    clippy::struct_excessive_bools,
+    clippy::type_complexity,
+    clippy::enum_glob_use,
+    clippy::manual_is_multiple_of,
+    clippy::match_same_arms,
+    reason = "a test stops where it is wrong"
+)]
+
 mod world;
 
 use workflow::{Answer, Command, Detail, JobState, Location, OpResult};

@@ -104,6 +104,7 @@ fn an_override_change_takes_effect_in_the_middle_of_a_motion() {
     assert!((end - expected).abs() < 1e-6);
 }
 
+/// Covers: K8.
 #[test]
 fn one_motion_waits_and_a_third_finds_no_room() {
     let mut executor = executor();

@@ -98,7 +98,6 @@ impl CellControl {
     }
 
     /// Adds somebody who is told of each loss.
-    #[cfg_attr(not(test), expect(dead_code, reason = "for the links that stop"))]
     pub(crate) fn observe(&self, observer: Arc<dyn ControlObserver>) {
         let observers = self.observers.write();
         observers
@@ -107,7 +106,6 @@ impl CellControl {
     }
 
     /// What changes, as it changes.
-    #[cfg_attr(not(test), expect(dead_code, reason = "for the links and the jobs"))]
     pub(crate) fn watch(&self) -> watch::Receiver<ControlNews> {
         self.news.subscribe()
     }

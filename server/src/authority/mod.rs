@@ -10,6 +10,7 @@
 //! Whoever moves holds a lease and keeps it alive by heartbeats. `LOCAL` always takes, `REMOTE` never does, an admin
 //! may. Jobs and the thesis's own routes act while nobody holds control. Stopping needs none of this.
 
+mod at_loss;
 mod claim;
 mod clock;
 mod control;
@@ -21,6 +22,7 @@ mod machine;
 mod machine_tests;
 mod said;
 
+pub(crate) use at_loss::AtLoss;
 pub(crate) use claim::{Claim, token};
 pub(crate) use clock::LeaseClock;
 pub(crate) use control::CellControl;

@@ -246,7 +246,7 @@ impl Task {
     /// Something happened, whoever likes it or not. What cannot be kept now is kept later.
     async fn happened(&mut self, input: Input) {
         match self.decide(&input, None).await {
-            Ok(_) => {}
+            Ok(_) | Err(Refused::Busy | Refused::Stopping) => {}
             Err(Refused::NotKept(trouble)) => {
                 // A timer fires again, and an arm is looked at again, by themselves.
                 if !matches!(input, Input::Tick | Input::ArmObserved(_)) {
@@ -257,7 +257,6 @@ impl Task {
             Err(Refused::Cell(refusal)) => {
                 tracing::debug!(cell.id = self.driver.id, %refusal, "the cell took no notice");
             }
-            Err(Refused::Busy | Refused::Stopping) => {}
         }
     }
 
@@ -455,17 +454,19 @@ impl Task {
 }
 
 /// What the key's first request was answered with. A decision that made no job had nothing more to tell.
-fn told_before(replay: &Replay) -> Told {
-    let job = match &replay.first.record {
-        Record::CellDecided(decided) => serde_json::from_str::<Vec<Fact>>(&decided.facts)
-            .unwrap_or_default()
-            .into_iter()
-            .find_map(|fact| match fact {
-                Fact::JobCreated { job, .. } => Some(job),
-                _ => None,
-            }),
-        _ => None,
+pub(crate) fn told_before(replay: &Replay) -> Told {
+    let facts = if let Record::CellDecided(decided) = &replay.first.record {
+        serde_json::from_str::<Vec<Fact>>(&decided.facts).unwrap_or_default()
+    } else {
+        Vec::new()
     };
+    let job = facts.into_iter().find_map(|fact| {
+        if let Fact::JobCreated { job, .. } = fact {
+            Some(job)
+        } else {
+            None
+        }
+    });
     Told {
         reply: job.map_or(Reply::Unchanged, Reply::Created),
         replayed: true,

@@ -14,6 +14,7 @@ mod clock;
 mod driver;
 mod handle;
 mod ids;
+mod in_use;
 mod motion_arm;
 mod observe;
 mod outbox;
@@ -22,10 +23,13 @@ mod push;
 mod start;
 mod told;
 
+pub(crate) use clock::CellClock;
 pub use driver::StartError;
+pub(crate) use driver::told_before;
 pub(crate) use handle::{CellHandle, Refused, Told};
+pub(crate) use observe::safety;
 pub(crate) use outbox::Outboxes;
-pub(crate) use places::Span;
+pub(crate) use places::{Span, Subject, subject};
 pub(crate) use push::push;
 pub(crate) use start::Parts;
 

@@ -44,7 +44,7 @@ const PART_INPUT: u8 = 3;
 /// How long an operation may wait before its first byte. After that it never starts.
 const NOT_AFTER: Duration = Duration::from_secs(10);
 /// A motion whose end never comes is stopped by the cell's own timers; this only ends what they forgot.
-const FOREVER: Duration = Duration::from_secs(24 * 60 * 60);
+const FOREVER: Duration = Duration::from_hours(24);
 /// How long a gripper may take, on the controller's clock.
 const GRIP: Duration = Duration::from_secs(2);
 
@@ -265,10 +265,13 @@ impl MotionArm {
                     text: "the journal has no intent of it, so nothing was ever sent".to_owned(),
                 };
             }
-            Ok(Some(replay)) => match &replay.first.record {
-                Entry::Intent(intent) => intent.motion.0,
-                _ => Uuid::nil(),
-            },
+            Ok(Some(replay)) => {
+                if let Entry::Intent(intent) = &replay.first.record {
+                    intent.motion.0
+                } else {
+                    Uuid::nil()
+                }
+            }
             // The motion is open: it is being asked about already.
             Err(LookupError::Refused(journal::Refusal::KeyInFlight { motion })) => motion.0,
             Err(error) => {
@@ -298,11 +301,12 @@ impl MotionArm {
                 }
             },
         };
-        match &record.progress {
-            Progress::Ended { end, .. } => result_of(end),
-            _ => OpResult::InDoubt {
+        if let Progress::Ended { end, .. } = &record.progress {
+            result_of(end)
+        } else {
+            OpResult::InDoubt {
                 text: format!("motion {motion} has no end"),
-            },
+            }
         }
     }
 
@@ -423,14 +427,19 @@ fn claim_of(operation: &Operation) -> Result<Claim, String> {
 
 fn not_now(problem: &Problem) -> OpResult {
     let text = problem.detail().to_owned();
-    match problem.code() {
-        // The arm cannot do it, now or later.
+    // The arm cannot do it, now or later.
+    let never = matches!(
+        problem.code(),
         ProblemCode::Validation
-        | ProblemCode::JointLimitExceeded
-        | ProblemCode::OutOfWorkspace
-        | ProblemCode::Singularity
-        | ProblemCode::NoSolutionInConfiguration => OpResult::Rejected { text },
-        _ => OpResult::NotExecuted { text },
+            | ProblemCode::JointLimitExceeded
+            | ProblemCode::OutOfWorkspace
+            | ProblemCode::Singularity
+            | ProblemCode::NoSolutionInConfiguration
+    );
+    if never {
+        OpResult::Rejected { text }
+    } else {
+        OpResult::NotExecuted { text }
     }
 }
 

@@ -14,7 +14,7 @@ use crate::link::cell_server::{CellServerLink, ControllerView};
 use crate::setup::SetupBook;
 
 /// Even where nothing changes the cell is told this often, so that silence means something.
-const AT_LEAST: Duration = Duration::from_millis(1_000);
+const AT_LEAST: Duration = Duration::from_secs(1);
 /// The part sensor.
 const PART_INPUT: u8 = 3;
 /// FANUC's facility of servo alarms, in an alarm's number.
@@ -70,7 +70,8 @@ fn seen(arm: &str, view: &ControllerView, setup: &SetupBook) -> ArmSeen {
     }
 }
 
-fn safety(line: &StatusLine) -> Safety {
+/// The safety state a controller reports.
+pub(crate) fn safety(line: &StatusLine) -> Safety {
     match (line.alarm / 1_000, line.alarm % 1_000) {
         (0, 0) => Safety::Normal,
         // SRVO-001 to SRVO-003: emergency stop of the operator panel, the pendant, the deadman switch.

@@ -27,7 +27,7 @@ pub(crate) struct Outboxes {
 
 /// A transport order as the state machines know it.
 struct Order {
-    order: Uuid,
+    id: Uuid,
     update: u32,
     goal: String,
     dock: Option<BasePose>,
@@ -94,7 +94,7 @@ fn message(setup: &Setup, cell: &Cell, robot: &str, out: OutMessage) -> Option<M
             then_to,
         } => {
             let order = Order {
-                order,
+                id: order,
                 update,
                 goal,
                 dock,
@@ -126,14 +126,12 @@ impl Order {
             sessions.find(|session| session.id == id)
         });
         match of_session {
-            Some(session) if session.order == Some(self.order) && session.point != self.goal => {
-                Self {
-                    then_to: Some(self.goal),
-                    goal: session.point,
-                    dock: None,
-                    ..self
-                }
-            }
+            Some(session) if session.order == Some(self.id) && session.point != self.goal => Self {
+                then_to: Some(self.goal),
+                goal: session.point,
+                dock: None,
+                ..self
+            },
             Some(_) | None => self,
         }
     }
@@ -155,7 +153,7 @@ impl Order {
         };
         let onward = self.then_to.as_deref();
         Some(TransportOrderBody {
-            order: self.order,
+            order: self.id,
             update: self.update,
             dock,
             dock_tolerance: point.map(|point| DockToleranceBody {

@@ -112,7 +112,12 @@ pub(crate) fn subject(fact: &Fact) -> Subject {
             Holder::Job(job) => Subject::Job(*job),
             Holder::Session(session) => Subject::Of(*session),
         },
-        Fact::OpDoubted { op, .. } | Fact::OpReconciling { op } => Subject::Of(*op),
+        Fact::OpDoubted { op, .. }
+        | Fact::OpReconciling { op }
+        | Fact::CustodyMoved {
+            by: Evidence::Gripper { op },
+            ..
+        } => Subject::Of(*op),
         Fact::OpEnded { op, .. } => Subject::Closes(*op),
         Fact::SessionMoved { session, to, .. } if to.is_closed() => Subject::Closes(*session),
         Fact::SessionMoved { session, .. }
@@ -127,10 +132,6 @@ pub(crate) fn subject(fact: &Fact) -> Subject {
         Fact::Answered { intervention, .. } | Fact::Withdrawn { intervention, .. } => {
             Subject::Closes(*intervention)
         }
-        Fact::CustodyMoved {
-            by: Evidence::Gripper { op },
-            ..
-        } => Subject::Of(*op),
         Fact::CustodyMoved { .. }
         | Fact::Recovered
         | Fact::SetupChanged { .. }

@@ -9,13 +9,14 @@ use super::arm::ArmPort;
 use super::clock::CellClock;
 use super::driver::{Driver, Recovered, StartError};
 use super::handle::{CellHandle, Refused};
+use super::in_use::in_use;
 use super::motion_arm::MotionArm;
 use super::observe::observe;
 use crate::authority::{CellControl, Claim};
 use crate::clock::WallClock;
 use crate::journal::SharedJournal;
 use crate::motions::InFlight;
-use crate::setup::SetupBook;
+use crate::setup::{Resource, SetupBook};
 use crate::state::{Robot, RobotLink};
 
 /// The parts a cell works with.
@@ -43,6 +44,11 @@ impl Parts<'_> {
         // Every set-up is itself a decision, so that what comes after it can be folded again.
         let recovered =
             Recovered::read(self.id, Setup::default(), self.journal, self.wall.now()).await?;
+        tracing::info!(
+            cell.id = self.id,
+            decisions = recovered.decisions,
+            "the cell's work was taken up"
+        );
         let handle = Driver {
             id: self.id.to_owned(),
             journal: self.journal.clone(),
@@ -53,6 +59,9 @@ impl Parts<'_> {
             stop: self.stop.clone(),
         }
         .spawn(recovered);
+        let view = handle.clone();
+        let asked = move |part: &Resource| in_use(&view.view(), part);
+        self.setup.refuse_while(Arc::new(asked));
         drop(self.tracker.spawn(tell_setup(
             self.id.to_owned(),
             handle.clone(),

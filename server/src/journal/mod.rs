@@ -4,6 +4,7 @@
 //! clock that was set.
 
 mod boxed;
+mod hooks;
 mod open;
 mod trouble;
 
@@ -21,6 +22,7 @@ use tokio::sync::watch;
 use tokio::time::Instant;
 
 use boxed::AnyJournal;
+pub(crate) use hooks::{JournalAudit, JournalEpochs};
 pub use open::{JournalError, open};
 pub(crate) use trouble::Trouble;
 

@@ -169,6 +169,7 @@ fn assert_accepted(answer: &Answer) {
     );
 }
 
+/// Covers: C7.
 #[tokio::test(start_paused = true)]
 async fn a_tag_that_reopens_after_an_answer_is_waited_for_with_growing_pauses() {
     let pipes = Pipes::default();
@@ -190,6 +191,7 @@ async fn a_tag_that_reopens_after_an_answer_is_waited_for_with_growing_pauses() 
     );
 }
 
+/// Covers: C7.
 #[tokio::test(start_paused = true)]
 async fn a_tag_that_does_not_reopen_is_given_up_in_time() {
     let pipes = Pipes::default();

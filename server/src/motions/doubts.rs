@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use api::{
-    AllowedAnswer, DecisionBody, DoubtAnswer, Intervention, InterventionKind, InterventionState,
-    ProblemCode,
+    AllowedAnswer, DecisionBody, DoubtAnswer, Intervention, InterventionDecision, InterventionKind,
+    InterventionState, ProblemCode,
 };
 use jiff::Timestamp;
 use journal::{
@@ -234,6 +234,8 @@ pub(crate) fn intervention(plan: &RobotPlan, record: &Record) -> Option<Interven
     let allowed = |answer: &str, consequence: &str| AllowedAnswer {
         answer: answer.to_owned(),
         consequence: consequence.to_owned(),
+        role: None,
+        needs: None,
     };
     Some(Intervention {
         id: record.id,
@@ -245,10 +247,16 @@ pub(crate) fn intervention(plan: &RobotPlan, record: &Record) -> Option<Interven
         cell: plan.cell.clone(),
         robot: Some(plan.id.clone()),
         motion: Some(record.id),
+        job: None,
+        session: None,
+        load: None,
+        fault: None,
         opened_at: opened_at(record),
         question: "Did the arm move to the target? The server cannot tell. Look at the arm before answering; until \
                    then it takes no further motion of this robot."
             .to_owned(),
+        known: Vec::new(),
+        unknown: Vec::new(),
         code: end.code(),
         target: Some(pose_body(&point_of_thousandths(record.asked.point))),
         controller_text: end.controller_text().map(str::to_owned),
@@ -269,7 +277,18 @@ pub(crate) fn intervention(plan: &RobotPlan, record: &Record) -> Option<Interven
                 "the motion ends `failed`: the arm is somewhere else. Where, has to be looked at before it moves",
             ),
         ],
-        decision: record.decision.clone(),
+        decision: record.decision.as_ref().map(|decision| InterventionDecision {
+            answer: match decision.answer {
+                DoubtAnswer::Happened => "happened",
+                DoubtAnswer::DidNotHappen => "did_not_happen",
+                DoubtAnswer::Abort => "abort",
+            }
+            .to_owned(),
+            principal: decision.principal.clone(),
+            reason: decision.reason.clone(),
+            at: Some(decision.at),
+        }),
+        withdrawn: None,
     })
 }
 

@@ -7,22 +7,28 @@ use api::{
 };
 use axum::Json;
 use axum::extract::{FromRequestParts, State};
+use axum::http::HeaderMap;
 use axum::http::request::Parts;
-use axum::http::{HeaderMap, HeaderName};
 use uuid::Uuid;
+use workflow::Input;
+use workflow::view::InterventionView;
 
-use super::caller::Caller;
+use super::jobs::{Replayed, cell_to_change, replayed, understood};
 use super::params::{CellId, CellPath, param, path_params};
 use super::responses::{AnyProblem, BodyProblem, CrossSite, InvalidJson, NotFound};
 use crate::extract::JsonBody;
+use crate::identity::Principal;
+use crate::jobs;
 use crate::motions::{Record, RequestKey, Respond, RespondError, Responded, intervention};
-use crate::problem::{Problem, REPLAYED, outcome_of_nothing_sent};
-use crate::state::{App, Robot};
+use crate::problem::{Problem, outcome_of_nothing_sent};
+use crate::state::{App, Cell, Robot};
 
+/// Who asked for the motions of jobs, in records.
+const JOBS: &str = "jobs";
 /// The longest reason, in characters.
 const MAX_REASON: usize = 500;
 
-/// Lists what waits for a person's answer, the oldest first.
+/// Lists what waits for a person's answer, the oldest first: motions in doubt, and jobs that cannot go on.
 #[utoipa::path(
     get, path = "/api/v1/cells/{cell}/interventions", tag = "interventions",
     params(CellPath),
@@ -32,19 +38,35 @@ pub(super) async fn list_interventions(
     State(app): State<Arc<App>>,
     CellId(cell): CellId,
 ) -> Result<Json<InterventionList>, Problem> {
-    let mut interventions: Vec<_> = app
-        .cell(&cell)?
-        .robots
+    Ok(Json(InterventionList {
+        interventions: waiting(app.cell(&cell)?),
+    }))
+}
+
+/// What waits in a cell, by id.
+pub(super) fn open(cell: &Cell) -> Vec<Uuid> {
+    waiting(cell).into_iter().map(|one| one.id).collect()
+}
+
+fn waiting(cell: &Cell) -> Vec<Intervention> {
+    let work = cell.work.view();
+    let mut all: Vec<_> = work
+        .interventions()
         .iter()
-        .flat_map(|robot| {
-            let doubts = robot.motions.book.doubts();
-            doubts
-                .into_iter()
-                .filter_map(|record| intervention(&robot.plan, &record))
-        })
+        .filter(|one| one.open)
+        .map(|one| jobs::intervention(&cell.id, &work, one))
         .collect();
-    interventions.sort_by_key(|one| (one.opened_at, one.id));
-    Ok(Json(InterventionList { interventions }))
+    // Of a job's motion in doubt the job itself asks, and knows more to answer. Its answer settles the motion, too.
+    let asked: Vec<_> = all.iter().filter_map(|one| one.robot.clone()).collect();
+    for robot in &cell.robots {
+        let doubts = robot.motions.book.doubts();
+        let shown = doubts
+            .iter()
+            .filter(|doubt| &*doubt.principal != JOBS || !asked.contains(&robot.plan.id));
+        all.extend(shown.filter_map(|record| intervention(&robot.plan, record)));
+    }
+    all.sort_by_key(|one| (one.opened_at, one.id));
+    all
 }
 
 /// Shows one of them, answered or not.
@@ -57,6 +79,11 @@ pub(super) async fn get_intervention(
     State(app): State<Arc<App>>,
     InterventionOf { cell, id }: InterventionOf,
 ) -> Result<Json<Intervention>, Problem> {
+    let known = app.cell(&cell)?;
+    if let Some(question) = question(known, id) {
+        let work = known.work.view();
+        return Ok(Json(jobs::intervention(&known.id, &work, &question)));
+    }
     let (robot, record) = find(&app, &cell, id).await?;
     shown(&robot, &record).map(Json)
 }
@@ -76,7 +103,7 @@ pub(super) async fn get_intervention(
     responses(
         (status = 200, description = "The intervention, answered.", body = Intervention,
             headers(("idempotency-replayed" = bool, description = "Present and `true` where the answer was taken before."))),
-        (status = 409, description = "`already-answered`: somebody gave another answer before.",
+        (status = 409, description = "`already-answered`: somebody gave another answer before. `answer-not-possible`: not as things are now; look again.",
             body = api::Problem, content_type = "application/problem+json"),
         (status = 422, description = "`validation`: the answer is none of the allowed ones, or the reason is missing.",
             body = api::Problem, content_type = "application/problem+json"),
@@ -90,11 +117,20 @@ pub(super) async fn get_intervention(
 pub(super) async fn respond(
     State(app): State<Arc<App>>,
     InterventionOf { cell, id }: InterventionOf,
-    Caller(principal): Caller,
+    caller: Principal,
     headers: HeaderMap,
     JsonBody(body): JsonBody<RespondBody>,
-) -> Result<(Option<[(HeaderName, &'static str); 1]>, Json<Intervention>), Problem> {
+) -> Result<(Replayed, Json<Intervention>), Problem> {
     let key = RequestKey::of(&headers)?;
+    let known = cell_to_change(&app, &cell)?;
+    if let Some(question) = question(known, id) {
+        return answer_question(known, &question, &caller, &key, &body).await;
+    }
+    if body.mobile_robot.is_some() || body.place.is_some() || body.custody.is_some() {
+        let detail = "answer: what became of a motion needs no mobile robot, place or custody";
+        return Err(Problem::not_sent(ProblemCode::Validation, detail));
+    }
+    let principal: Arc<str> = Arc::from(caller.name());
     let (robot, record) = find(&app, &cell, id).await?;
     let answer = check(&shown(&robot, &record)?, &body)?;
     let respond = Respond {
@@ -109,12 +145,68 @@ pub(super) async fn respond(
         .respond(respond)
         .await
         .map_err(|error| problem_of(error).robot(&robot.plan.id).motion(Some(id)))?;
-    let replayed = match responded {
+    let again = match responded {
         Responded::Now => None,
-        Responded::Before => Some([(REPLAYED, "true")]),
+        Responded::Before => replayed(true),
     };
     let (robot, record) = find(&app, &cell, id).await?;
-    Ok((replayed, Json(shown(&robot, &record)?)))
+    Ok((again, Json(shown(&robot, &record)?)))
+}
+
+/// The workflows' question with an id.
+fn question(cell: &Cell, id: Uuid) -> Option<InterventionView> {
+    let all = cell.work.view().interventions();
+    all.into_iter().find(|one| one.question.id == id)
+}
+
+async fn answer_question(
+    cell: &Cell,
+    view: &InterventionView,
+    caller: &Principal,
+    key: &RequestKey,
+    body: &RespondBody,
+) -> Result<(Replayed, Json<Intervention>), Problem> {
+    let id = view.question.id;
+    let path = format!("POST /api/v1/cells/{}/interventions/{id}/respond", cell.id);
+    let claim = key.claim(caller.name(), &path, &understood(body)?)?;
+    jobs::reason(&body.reason)?;
+    let (answer, detail) = jobs::answer(view, body)?;
+    let input = Input::Respond {
+        intervention: id,
+        answer,
+        detail,
+        principal: jobs::principal(caller),
+        reason: body.reason.clone(),
+    };
+    let told = cell.work.ask_with(input, claim).await;
+    // Somebody may have been faster.
+    let now = question(cell, id);
+    let over = now.as_ref().filter(|one| !one.open);
+    let code = match over {
+        Some(_) => ProblemCode::AlreadyAnswered,
+        None => ProblemCode::AnswerNotPossible,
+    };
+    let told = jobs::told(told, code, "").map_err(|problem| {
+        let Some(decided) = over.and_then(|one| one.decided.as_ref()) else {
+            return problem;
+        };
+        let said = format!(
+            "it was answered: {} said `{:?}`, because \"{}\"",
+            decided.principal,
+            decided.answer,
+            crate::state::shown(&decided.reason)
+        );
+        match problem.code() {
+            ProblemCode::AlreadyAnswered => Problem::not_sent(ProblemCode::AlreadyAnswered, said),
+            _ => problem,
+        }
+    })?;
+    let work = cell.work.view();
+    let now = now.as_ref().unwrap_or(view);
+    Ok((
+        replayed(told.replayed),
+        Json(jobs::intervention(&cell.id, &work, now)),
+    ))
 }
 
 async fn find(app: &App, cell: &str, id: Uuid) -> Result<(Arc<Robot>, Record), Problem> {

@@ -2,15 +2,19 @@
 //! can miss the OpenAPI document.
 
 mod caller;
+mod cell_state;
 mod cells;
 mod control;
 mod events;
 mod health;
 mod identity;
 mod interventions;
+mod job_history;
+mod jobs;
 mod kinematics;
 mod legacy;
 mod legacy_error;
+mod loads;
 mod mobile_robots;
 mod motion_body;
 mod motion_control;
@@ -21,6 +25,7 @@ mod preview;
 mod problems;
 mod responses;
 mod robots;
+mod sessions;
 mod setup;
 
 use std::sync::Arc;
@@ -42,6 +47,7 @@ pub(crate) fn documented() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(cells::list_cells))
         .routes(routes!(cells::get_cell))
         .routes(routes!(cells::list_robots))
+        .routes(routes!(cell_state::get_cell_state))
         .routes(routes!(control::get_control, control::acquire_control))
         .routes(routes!(control::keep_control, control::release_control))
         .routes(routes!(control::transfer_control))
@@ -75,6 +81,17 @@ pub(crate) fn documented() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(interventions::list_interventions))
         .routes(routes!(interventions::get_intervention))
         .routes(routes!(interventions::respond))
+        .routes(routes!(jobs::create_job, jobs::list_jobs))
+        .routes(routes!(jobs::get_job))
+        .routes(routes!(jobs::command_job))
+        .routes(routes!(job_history::job_events))
+        .routes(routes!(job_history::job_report))
+        .routes(routes!(sessions::list_sessions))
+        .routes(routes!(sessions::get_session))
+        .routes(routes!(sessions::list_point_sessions))
+        .routes(routes!(loads::list_loads))
+        .routes(routes!(loads::get_load))
+        .routes(routes!(loads::put_custody))
         .routes(routes!(problems::list_problems))
         .routes(routes!(problems::get_problem))
         .routes(routes!(health::livez))

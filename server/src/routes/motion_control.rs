@@ -14,8 +14,11 @@ use tokio::time::Instant;
 use uuid::Uuid;
 
 use super::motions::{find, shown_motion};
-use super::params::{MotionId, RobotOf, RobotPath};
-use super::responses::{AnyProblem, BodyProblem, CrossSite, InvalidJson, LinkProblem, NotFound};
+use super::params::{ControlHeader, MotionId, RobotOf, RobotPath};
+use super::responses::{
+    AnyProblem, BodyProblem, ControlProblem, CrossSite, InvalidJson, LinkProblem, NotFound,
+};
+use crate::authority::Claim;
 use crate::extract::{JsonBody, OptionalJson};
 use crate::link::cell_server::{CellServerLink, LinkError};
 use crate::motions::{Progress, Record};
@@ -95,19 +98,20 @@ pub(super) async fn pause_motion(
     Ok(Json(shown_motion(&robot, &record)))
 }
 
-/// Lets a motion on hold go on.
+/// Lets a motion on hold go on. The arm moves, so it needs control of the cell, as a motion does.
 #[utoipa::path(
     post, path = "/api/v1/cells/{cell}/robots/{robot}/motions/{id}/resume", tag = "motions",
-    params(RobotPath, ("id" = Uuid, Path, description = "The motion's id.")),
+    params(RobotPath, ControlHeader, ("id" = Uuid, Path, description = "The motion's id.")),
     responses(
         (status = 200, description = "The motion.", body = Motion),
-        (status = 409, description = "`wrong-motion-state`: it does not run. `not-supported`: this controller cannot be told to.",
+        (status = 409, description = "`wrong-motion-state`: it does not run. `not-supported`: this controller cannot be told to. `control-lost`: control of the cell ended.",
             body = api::Problem, content_type = "application/problem+json"),
-        CrossSite, NotFound, LinkProblem, AnyProblem,
+        ControlProblem, CrossSite, NotFound, LinkProblem, AnyProblem,
     ),
 )]
 pub(super) async fn resume_motion(
     RobotOf(robot): RobotOf,
+    _control: Claim,
     MotionId(id): MotionId,
 ) -> Result<Json<Motion>, Problem> {
     let (link, record) = running(&robot, id, "resumed").await?;
@@ -204,20 +208,22 @@ pub(super) async fn get_speed_override(
     }))
 }
 
-/// Sets the controller's general speed override. It holds for whatever moves the arm from now on.
+/// Sets the controller's general speed override. It holds for whatever moves the arm from now on, so it needs
+/// control of the cell.
 #[utoipa::path(
     put, path = "/api/v1/cells/{cell}/robots/{robot}/speed-override", tag = "motions",
-    params(RobotPath),
+    params(RobotPath, ControlHeader),
     request_body = SpeedOverride,
     responses(
         (status = 200, description = "The override, as the controller confirmed it.", body = SpeedOverride),
-        (status = 409, description = "`not-supported`: this controller cannot be told.", body = api::Problem, content_type = "application/problem+json"),
+        (status = 409, description = "`not-supported`: this controller cannot be told. `control-lost`: control of the cell ended.", body = api::Problem, content_type = "application/problem+json"),
         (status = 422, description = "`validation`: not 1 to 100.", body = api::Problem, content_type = "application/problem+json"),
-        CrossSite, InvalidJson, NotFound, BodyProblem, LinkProblem, AnyProblem,
+        ControlProblem, CrossSite, InvalidJson, NotFound, BodyProblem, LinkProblem, AnyProblem,
     ),
 )]
 pub(super) async fn put_speed_override(
     RobotOf(robot): RobotOf,
+    _control: Claim,
     JsonBody(body): JsonBody<SpeedOverride>,
 ) -> Result<Json<SpeedOverride>, Problem> {
     let percent = Percent::try_new(body.percent).map_err(|_| {

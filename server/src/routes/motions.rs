@@ -69,6 +69,10 @@ const PREFERENCE_APPLIED: HeaderName = HeaderName::from_static("preference-appli
         ControlProblem, CrossSite, NotFound, BodyProblem, LinkProblem, AnyProblem,
     ),
 )]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "each takes its part of the request"
+)]
 pub(super) async fn create_motion(
     State(app): State<Arc<App>>,
     RobotOf(robot): RobotOf,

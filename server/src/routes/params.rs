@@ -153,7 +153,7 @@ impl Page {
     }
 }
 
-fn page_limit(text: &str) -> Result<usize, Problem> {
+pub(super) fn page_limit(text: &str) -> Result<usize, Problem> {
     let value: Option<usize> = text.parse().ok();
     value
         .filter(|value| (1..=MAX_PAGE).contains(value))
@@ -171,7 +171,7 @@ fn cursor(text: &str) -> Result<Uuid, Problem> {
     })
 }
 
-fn invalid(item: &str, message: String, value: Option<f64>) -> Problem {
+pub(super) fn invalid(item: &str, message: String, value: Option<f64>) -> Problem {
     Problem::new(ProblemCode::Validation, format!("{item}: {message}")).violations(vec![
         Violation {
             item: item.to_owned(),
@@ -190,6 +190,7 @@ mod tests {
         Page::of(&format!("/motions?{query}").parse().unwrap())
     }
 
+    /// Covers: R8.
     #[test]
     fn a_page_has_a_limit_and_a_beginning() {
         assert_eq!(page("").unwrap().limit, DEFAULT_PAGE);

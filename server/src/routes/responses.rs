@@ -85,6 +85,21 @@ pub(crate) enum LinkProblem {
     Timeout(Problem),
 }
 
+/// Why a cell cannot take a request now. Nothing has changed.
+#[derive(IntoResponses)]
+pub(crate) enum KeptProblem {
+    /// `journal-unavailable`: it could not be kept, so it does not hold. `cell-not-ready`, `shutting-down`.
+    #[response(
+        status = 503,
+        content_type = "application/problem+json",
+        headers(("retry-after" = u32, description = "Seconds after which to try again."))
+    )]
+    Unavailable(Problem),
+    /// `journal-full`: the same, for want of room on the disk.
+    #[response(status = 507, content_type = "application/problem+json")]
+    Full(Problem),
+}
+
 /// What is wrong without control of the cell. That it was lost is a 409 of each route's own.
 #[derive(IntoResponses)]
 pub(crate) enum ControlProblem {

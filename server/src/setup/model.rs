@@ -43,6 +43,10 @@ pub(crate) struct Arm {
 /// A tool.
 #[derive(Clone, Debug)]
 pub(crate) struct Tool {
+    #[expect(
+        dead_code,
+        reason = "shown by the resource; the controller's tool is set with its robot"
+    )]
     pub(crate) number: u8,
     pub(crate) X_FT: Pose,
     pub(crate) radius: Millimeters,
@@ -129,6 +133,7 @@ pub(crate) struct Destination {
 #[derive(Clone, Debug)]
 pub(crate) struct MobileRobot {
     pub(crate) id: String,
+    #[expect(dead_code, reason = "no workflow sends a mobile robot home yet")]
     pub(crate) home: Option<String>,
     pub(crate) length: Millimeters,
     pub(crate) width: Millimeters,

@@ -16,6 +16,7 @@ use super::model::{Arm, Setup, Site, Taught};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Target<'a> {
     /// Its home joints.
+    #[cfg_attr(not(test), expect(dead_code, reason = "no workflow goes home yet"))]
     Home,
     /// Its safe joints, out of every hand-over zone.
     Safe,
@@ -40,9 +41,14 @@ pub(crate) enum Dock {
 #[derive(Clone, Debug)]
 pub(crate) struct Resolved {
     /// The tool center point in the cell frame.
+    #[cfg_attr(
+        not(test),
+        expect(dead_code, reason = "the controller is told its own numbers")
+    )]
     pub(crate) X_CT: Pose,
     /// The point as the robot's controller counts it: its own tool in its own user frame.
     pub(crate) controller_point: Xyzwpr,
+    #[cfg_attr(not(test), expect(dead_code, reason = "follows from the joints"))]
     pub(crate) configuration: Configuration,
     /// Inside the limits.
     pub(crate) joints: PendantJoints,

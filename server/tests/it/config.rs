@@ -51,6 +51,7 @@ fn a_configuration_that_fits_is_taken() {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "a table")]
 fn a_value_that_does_not_fit_is_named_by_its_key_with_its_limit() {
     let cases = [
         (

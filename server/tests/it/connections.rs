@@ -187,9 +187,11 @@ async fn whoever_idles_stays_while_others_keep_the_server_waiting() {
 async fn who_waits_long_for_a_robot_gives_way_and_the_command_stays() {
     let robot = FakeRobot::start([Act::Held(ACCEPTED)]).await;
     let server = with(patient(1), &robot).await;
+    let control = server.control().await.to_owned();
     let mut commander = TcpStream::connect(server.address).await.unwrap();
     let request = format!(
-        "POST {MOTIONS} HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\nidempotency-key: k1\r\ncontent-length: {}\r\n\r\n{MOTION}",
+        "POST {MOTIONS} HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\nidempotency-key: k1\r\n\
+         control-token: {control}\r\ncontent-length: {}\r\n\r\n{MOTION}",
         MOTION.len()
     );
     commander.write_all(request.as_bytes()).await.unwrap();

@@ -81,6 +81,31 @@ async fn o2_of_two_operators_one_has_control_and_the_other_sees_who() {
     assert_eq!(robot.commands().len(), 1);
 }
 
+/// O2: what lets the arm move, or move faster, needs control as a motion does; what makes it stand does not.
+#[tokio::test]
+async fn resuming_and_speeding_up_need_control_and_holding_does_not() {
+    let robot = FakeRobot::accepting().await;
+    let cell = Secured::start(&robot).await;
+    let (anna, boris) = (
+        cell.token("anna", "operator").await,
+        cell.token("boris", "operator").await,
+    );
+    let r1 = "/api/v1/cells/c1/robots/r1";
+    let resume = format!("{r1}/motions/019302d4-7b3f-7c7e-8f3a-2f6f1b0c9d11/resume");
+    let pause = resume.replace("resume", "pause");
+    let speed = format!("{r1}/speed-override");
+    let percent = json!({"percent": 100});
+    for (status, code) in [(428, "control-required"), (423, "control-held")] {
+        for (method, path, body) in [("POST", &resume, &Value::Null), ("PUT", &speed, &percent)] {
+            let reply = cell.send(method, path, &boris, body).await;
+            let _problem = reply.problem(status, code, "NOT_SENT");
+        }
+        let reply = cell.send("POST", &pause, &boris, &Value::Null).await;
+        let _problem = reply.problem(404, "not-found", "NOT_SENT");
+        let _annas = cell.acquire(&anna, &json!({})).await;
+    }
+}
+
 #[tokio::test]
 async fn of_two_clients_that_race_exactly_one_wins() {
     let robot = FakeRobot::accepting().await;

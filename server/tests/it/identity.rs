@@ -355,7 +355,7 @@ async fn a_server_that_knows_nobody_does_not_start() {
         name: None,
         robots: vec![robot_section(([127, 0, 0, 1], 1).into())],
         setup: None,
-        push_urls: Default::default(),
+        push_urls: std::collections::BTreeMap::new(),
     };
     let plan = Plan::try_new(&ServerSection::default(), std::slice::from_ref(&cell)).unwrap();
     let seams = Seams {

@@ -54,7 +54,7 @@ async fn answer(server: &TestServer, id: &Value, answer: &str) -> Value {
 async fn a_motion_whose_intent_was_not_kept_was_never_sent() {
     let robot = FakeRobot::accepting().await;
     let disk = MemoryDisk::new();
-    disk.fail_write(2, Fault::PowerLossBefore);
+    disk.fail_next("intent", Fault::PowerLossBefore);
     let server = serve(&robot, &disk).await;
     let reply = server.post_with_key(MOTIONS, "k1", MOTION).await;
     let _problem = reply.problem(503, "journal-unavailable", "NOT_SENT");
@@ -142,8 +142,7 @@ async fn an_acceptance_that_was_not_kept_is_a_doubt_and_one_that_was_is_none() {
     ] {
         let robot = FakeRobot::accepting().await;
         let disk = MemoryDisk::new();
-        // The opening, the intent, the acceptance.
-        disk.fail_write(3, fault);
+        disk.fail_next("accepted", fault);
         let server = serve(&robot, &disk).await;
         // The controller has taken it, so that is the answer, whatever the disk says.
         assert_eq!(server.post(MOTIONS, MOTION).await.status, 202);
@@ -158,12 +157,12 @@ async fn an_acceptance_that_was_not_kept_is_a_doubt_and_one_that_was_is_none() {
 async fn a_crash_in_the_recovery_changes_nothing() {
     let robot = FakeRobot::accepting().await;
     let disk = MemoryDisk::new();
-    disk.fail_write(3, Fault::PowerLossBefore);
+    disk.fail_next("accepted", Fault::PowerLossBefore);
     let server = serve(&robot, &disk).await;
     assert_eq!(server.post(MOTIONS, MOTION).await.status, 202);
     for fault in [Fault::PowerLossBefore, Fault::PowerLossAfter] {
-        // The opening, and then the doubt.
-        disk.fail_write(disk.writes() + 2, fault);
+        // The doubt.
+        disk.fail_next("outcome", fault);
         // It cannot keep what it finds out, and does not begin to serve.
         let server = serve(&robot, &disk).await;
         let error = server.task.await.unwrap().unwrap_err();
@@ -183,8 +182,8 @@ async fn an_answer_that_was_kept_is_applied_after_a_crash() {
     let server = serve(&robot, &disk).await;
     assert_eq!(server.post(MOTIONS, MOTION).await.status, 504);
     let id = motions(&server).await[0]["id"].clone();
-    // The answer, and then the end that follows.
-    disk.fail_write(disk.writes() + 2, Fault::PowerLossBefore);
+    // The answer is kept, and the end that follows is not.
+    disk.fail_next("outcome", Fault::PowerLossBefore);
     let _answered = answer(&server, &id, "abort").await;
     let server = serve(&robot, &disk).await;
     let motion = &motions(&server).await[0];
@@ -201,7 +200,7 @@ async fn an_answer_that_was_kept_is_applied_after_a_crash() {
 async fn a_full_disk_refuses_motions_and_nothing_else() {
     let robot = FakeRobot::accepting().await;
     let disk = MemoryDisk::new();
-    disk.fail_write(2, Fault::Refuse);
+    disk.fail_next("intent", Fault::Refuse);
     let server = serve(&robot, &disk).await;
     assert_eq!(server.get("/readyz").await.status, 200);
     for _first_and_later in 0..2 {
@@ -233,7 +232,7 @@ async fn a_full_disk_refuses_motions_and_nothing_else() {
 async fn a_failed_sync_sends_nothing_and_is_not_trusted_afterwards() {
     let robot = FakeRobot::accepting().await;
     let disk = MemoryDisk::new();
-    disk.fail_write(2, Fault::RefuseAndKeep);
+    disk.fail_next("intent", Fault::RefuseAndKeep);
     let server = serve(&robot, &disk).await;
     let reply = server.post(MOTIONS, MOTION).await;
     let _problem = reply.problem(503, "journal-unavailable", "NOT_SENT");

@@ -34,6 +34,7 @@ async fn queued(server: &TestServer, count: u64) {
     }
 }
 
+/// Covers: R3.
 #[tokio::test]
 async fn a_full_queue_is_said_at_once_and_leaves_no_motion() {
     let (robot, server) = held(1).await;

@@ -151,6 +151,7 @@ async fn the_speed_limit_of_the_robot_holds() {
     assert_eq!(server.post(MOTIONS, &legal).await.status, 202);
 }
 
+/// Covers: R8.
 #[tokio::test]
 async fn the_list_is_newest_first_in_pages() {
     let robot = FakeRobot::accepting().await;

@@ -99,6 +99,7 @@ async fn a_refusal_does_not_repeat_pages_of_what_was_sent() {
     robot.assert_untouched();
 }
 
+/// Covers: X8.
 #[tokio::test]
 async fn a_compressed_body_is_refused_by_the_name_of_its_encoding() {
     let robot = FakeRobot::accepting().await;

@@ -65,6 +65,7 @@ async fn a_request_with_too_large_a_head_or_too_many_headers_is_refused() {
     }
 }
 
+/// Covers: X9.
 #[tokio::test]
 async fn a_request_that_could_be_read_two_ways_is_refused() {
     let robot = FakeRobot::accepting().await;
@@ -135,6 +136,7 @@ async fn a_stopping_server_does_not_wait_for_ever() {
     server.task.await.unwrap().unwrap();
 }
 
+/// Covers: X5.
 #[tokio::test]
 async fn a_web_page_from_elsewhere_cannot_send_the_robot_home() {
     let robot = FakeRobot::accepting().await;

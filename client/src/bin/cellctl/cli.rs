@@ -6,8 +6,8 @@ use clap::builder::NonEmptyStringValueParser;
 use clap::{Args, Parser, Subcommand};
 
 use crate::{
-    cell, control, delta, doubts, emulator, fk, home, ik, journal, motions, move_to,
-    speed_override, stop, teach, tokens, watch,
+    cell, control, delta, doubts, emulator, fk, home, ik, interventions, job, journal, loads,
+    motions, move_to, speed_override, stop, teach, tokens, watch,
 };
 
 /// Drive a robot cell: move, look, calculate.
@@ -105,6 +105,11 @@ pub(crate) enum Command {
     Stop(stop::StopArgs),
     Override(speed_override::OverrideArgs),
     Doubts(doubts::DoubtsArgs),
+    Job(job::JobArgs),
+    Loads(loads::LoadsArgs),
+    /// List the hand-over sessions: states, permits, what is waited for.
+    Sessions,
+    Interventions(interventions::InterventionsArgs),
     Watch(watch::WatchArgs),
     Journal(journal::JournalArgs),
     Emulator(emulator::EmulatorArgs),

@@ -76,6 +76,9 @@ pub(crate) async fn run(args: DoubtsArgs, context: &Context) -> Result<Report, F
     let body = RespondBody {
         answer: answer.to_owned(),
         reason,
+        mobile_robot: None,
+        place: None,
+        custody: None,
     };
     let ask = Ask { key, wait: None };
     let answered = context.client.respond(&cell, id, &body, &ask).await?;
@@ -123,9 +126,7 @@ fn facts(one: &Intervention) -> String {
             one.decision.as_ref().map(|decision| {
                 format!(
                     "{} ({}, {})",
-                    word(decision.answer),
-                    decision.principal,
-                    decision.reason
+                    decision.answer, decision.principal, decision.reason
                 )
             }),
         ),

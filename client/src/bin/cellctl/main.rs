@@ -12,9 +12,13 @@ mod doubts;
 mod emulator;
 mod failure;
 mod fk;
+mod gantt;
 mod home;
 mod ik;
+mod interventions;
+mod job;
 mod journal;
+mod loads;
 mod login;
 mod motions;
 mod move_to;
@@ -77,6 +81,10 @@ async fn run(cli: Cli) -> Result<Report, Failure> {
         Command::Stop(args) => stop::run(args, &context).await,
         Command::Override(args) => speed_override::run(args, &context).await,
         Command::Doubts(args) => doubts::run(args, &context).await,
+        Command::Job(args) => job::run(args, &context).await,
+        Command::Loads(args) => loads::run(args, &context).await,
+        Command::Sessions => loads::sessions(&context).await,
+        Command::Interventions(args) => interventions::run(args, &context).await,
         Command::Watch(args) => watch::run(args, &context).await,
         Command::Journal(args) => journal::run(args, json).await,
         Command::Emulator(args) => emulator::run(args, &context).await,

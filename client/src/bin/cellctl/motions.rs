@@ -1,6 +1,6 @@
 //! `cellctl motions`: the record of motions.
 
-use api::{Motion, MotionList};
+use api::{ControlToken, Motion, MotionList};
 use clap::{Args, Subcommand};
 use client::Page;
 use uuid::Uuid;
@@ -48,6 +48,9 @@ enum MotionsCommand {
     Resume {
         /// The motion's id.
         id: Uuid,
+        /// Control that was taken with `cellctl control take`. Where absent it is taken for this.
+        #[arg(long, value_name = "TOKEN", env = "ROBOCELL_CONTROL")]
+        control: Option<ControlToken>,
     },
 }
 
@@ -76,9 +79,15 @@ pub(crate) async fn run(args: MotionsArgs, context: &Context) -> Result<Report, 
             let motion = robot.pause_motion(id).await?;
             return Ok(context.report(Exit::Done, &motion, sentences));
         }
-        Some(MotionsCommand::Resume { id }) => {
-            let motion = robot.resume_motion(id).await?;
-            return Ok(context.report(Exit::Done, &motion, sentences));
+        Some(MotionsCommand::Resume { id, control }) => {
+            let why = "a motion goes on, by cellctl";
+            let (robot, held) = context.control_of(&robot, control, why).await?;
+            let resumed = robot.resume_motion(id).await;
+            if let Some(held) = held {
+                // It ends by itself soon, if it cannot be given back.
+                let _given_back = held.release().await;
+            }
+            return Ok(context.report(Exit::Done, &resumed?, sentences));
         }
         Some(MotionsCommand::List(list)) => list,
         None => args.list,

@@ -45,6 +45,7 @@ pub(super) struct State {
     waiting: Vec<Waiting>,
     holding: Holding,
     faults: BTreeMap<u64, Fault>,
+    faults_of_kind: BTreeMap<&'static str, Fault>,
     writes: u64,
     openings: u64,
     open: Option<u64>,
@@ -91,6 +92,12 @@ impl MemoryDisk {
     /// Lets something happen at a write: 1 is the first one of this disk. An opening writes one record.
     pub fn fail_write(&self, nth: u64, fault: Fault) {
         let _before = self.lock().faults.insert(nth, fault);
+    }
+
+    /// Lets something happen at the next write of a record of a kind, as [`Record::kind`] names it, whatever else is
+    /// written before it.
+    pub fn fail_next(&self, kind: &'static str, fault: Fault) {
+        let _before = self.lock().faults_of_kind.insert(kind, fault);
     }
 
     /// How many writes there were, those that failed among them.
@@ -280,7 +287,10 @@ impl State {
             return Err(AppendError::Poisoned(Arc::clone(cause)));
         }
         self.writes += 1;
-        let fault = self.faults.remove(&self.writes);
+        let fault = self
+            .faults
+            .remove(&self.writes)
+            .or_else(|| self.faults_of_kind.remove(stored.record.kind()));
         let receipt = Receipt {
             head: head_of(&row),
             epoch: stored.epoch,

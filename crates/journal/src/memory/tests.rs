@@ -144,6 +144,19 @@ async fn a_failed_write_poisons_the_journal_until_it_is_opened_again() {
     }
 }
 
+#[tokio::test]
+async fn a_fault_of_a_kind_waits_for_the_next_record_of_that_kind() {
+    let disk = MemoryDisk::new();
+    let journal = open(&disk);
+    disk.fail_next("outcome", Fault::Refuse);
+    let _kept = journal
+        .begin_motion(at(1), intent(&journal, 1, None))
+        .await
+        .unwrap();
+    let failed = journal.append(at(2), outcome(1, rejected())).await;
+    assert_eq!(failed.unwrap_err().effect(), Effect::None);
+}
+
 /// Covers: P2.
 #[tokio::test]
 async fn wherever_the_power_goes_every_answer_that_was_given_holds() {

@@ -76,6 +76,7 @@ mod tests {
         assert_eq!(modulo(i32::MIN, -1).unwrap(), 0);
     }
 
+    /// Covers: K5.
     #[test]
     fn what_does_not_fit_is_an_overflow() {
         for result in [

@@ -127,6 +127,7 @@ fn with_words(bytes: &[u8], change: impl FnOnce(&mut Vec<String>, usize)) -> Vec
 }
 
 proptest! {
+    /// Covers: K7.
     #[test]
     fn arbitrary_bytes_never_panic(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {
         exercise(&bytes);
@@ -188,6 +189,7 @@ fn types_within_types_and_huge_variables_are_refused() {
     );
 }
 
+/// Covers: K5.
 #[test]
 fn a_value_too_large_for_a_task_is_refused_when_it_is_needed() {
     let source = "PROGRAM x\nTYPE big = STRUCTURE\na: ARRAY[1000000] OF INTEGER\nENDSTRUCTURE\nVAR n: big\nROUTINE f: big\nBEGIN\nEND f\nBEGIN\nn = f\nEND x\n";
@@ -222,6 +224,7 @@ fn main_body(statements: &str) -> String {
     format!("PROGRAM x\nVAR i: INTEGER\n b: BOOLEAN\nBEGIN\n i = 1\n{statements}\nEND x\n")
 }
 
+/// Covers: K7.
 #[test]
 fn ten_thousand_levels_of_anything_are_an_error_and_not_a_stack_overflow() {
     let many = |text: &str| text.repeat(10_000);
@@ -246,6 +249,7 @@ fn ten_thousand_levels_of_anything_are_an_error_and_not_a_stack_overflow() {
     }
 }
 
+/// Covers: K7.
 #[test]
 fn a_megabyte_of_anything_is_handled_and_its_messages_stay_short() {
     let size = 1 << 20;

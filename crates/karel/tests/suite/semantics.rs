@@ -56,6 +56,7 @@ fn integer_divided_by_integer_is_a_real() {
     );
 }
 
+/// Covers: K3.
 #[test]
 fn and_and_or_evaluate_both_sides() {
     let trace = trace("VAR a: BOOLEAN", "WRITE (FALSE AND a)");
@@ -178,6 +179,7 @@ fn assumed_cr_writes_carriage_return_and_line_feed() {
     assert!(trace("", "WRITE ('a', CR)").contains(r#"display "a\r\n""#));
 }
 
+/// Covers: K5.
 #[test]
 fn assumed_division_by_zero_is_intp_307() {
     for division in ["1 / 0", "1 DIV 0", "1 MOD 0", "1.5 / 0.0"] {
@@ -205,6 +207,7 @@ fn assumed_statements_of_predefined_constants_have_their_numbers() {
     );
 }
 
+/// Covers: K2.
 #[test]
 fn assumed_a_failed_connect_rests_a_millisecond() {
     let source = b"PROGRAM t\nVAR s: INTEGER\nBEGIN\nMSG_CONNECT('S3:', s)\nWRITE (s)\nEND t\n";
@@ -246,6 +249,7 @@ fn input_and_output_errors_never_end_a_task() {
     assert_eq!(shown(text, statements), " 12328 12327");
 }
 
+/// Covers: K6.
 #[test]
 fn while_true_costs_slices_and_starves_nobody() {
     let (mut machine, task) = machine_with(

@@ -143,6 +143,7 @@ fn a_short_command_waits_and_is_incorrect_when_the_peer_closes() {
     }
 }
 
+/// Covers: K4.
 #[test]
 fn a_field_of_an_earlier_command_is_never_used_again() {
     let host = serve(vec![
@@ -185,6 +186,7 @@ fn a_hundred_clients_are_served_one_after_the_other() {
     );
 }
 
+/// Covers: K2.
 #[test]
 fn a_connect_that_fails_is_repeated_after_a_rest() {
     let host = serve(vec![

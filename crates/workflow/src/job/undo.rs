@@ -223,10 +223,11 @@ impl Work<'_> {
         }
     }
 
-    /// F2, F13: the same point, a new order.
-    pub(crate) fn redispatch(&mut self, job: &Job) {
+    /// F2, F13: the same point, a new order. False if that would not help: the transfer has begun, or an arm may be
+    /// in the zone.
+    pub(crate) fn redispatch(&mut self, job: &Job) -> bool {
         let Some(session) = self.cell.session_of(job).cloned() else {
-            return;
+            return false;
         };
         let clear = self
             .cell
@@ -235,8 +236,7 @@ impl Work<'_> {
             .is_some_and(|p| !self.cell.arm_may_be_in(p));
         let begun = session.state != SessionState::Reserved;
         if begun && !session.state.may_become(SessionState::Reserved) || !clear {
-            // It is past the point where a new order would help.
-            return;
+            return false;
         }
         if let Some(order) = session.order {
             self.tell(&session, Message::MovePermit { granted: false });
@@ -275,6 +275,7 @@ impl Work<'_> {
                 });
             }
         }
+        true
     }
 
     /// F13: when it is automatic again, but not where it was, it gets a new order.
@@ -307,7 +308,9 @@ impl Work<'_> {
             && job.redispatches < self.cell.setup.timers.redispatches
             && self.cell.ops_of(job.id).next().is_none()
         {
-            self.redispatch(job);
+            if !self.redispatch(job) {
+                return;
+            }
             self.withdraw(job.id, "it gets a new order");
             let text = "the mobile robot is automatic again";
             self.go(

@@ -111,6 +111,9 @@ impl Work<'_> {
             .clone()
     }
 
+    /// ASSUMPTION: "extra" loads are those in the slots of this job; what stands in other slots of the mobile robot is
+    /// somebody else's. A rescan is waiting for the next report: the outbox has no word that asks for one.
+    ///
     /// A6. Unknown loads get a name; whatever does not fit waits for the timer.
     pub(crate) fn verify_load(&mut self, job: &Job, step: usize) {
         let Some(mobile_robot) = job.mobile_robot.clone() else {
@@ -500,6 +503,10 @@ impl Work<'_> {
         };
         if self.cell.is_free(&at) {
             return false;
+        }
+        let asked = self.cell.book.question_of(job.id);
+        if asked.is_some_and(|q| q.question.fault == Fault::TargetBlocked) {
+            return true;
         }
         let text = format!("{at} is not free");
         let fixed = matches!(at, Location::Fixed { .. });

@@ -123,6 +123,8 @@ pub struct MobileTruth {
     pub reports_loads: bool,
     pub lies_slot: Option<(String, Option<String>)>,
     pub got: Vec<Message>,
+    /// The last message it has read; the others wait in its outbox.
+    pub read: u64,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -160,6 +162,9 @@ pub struct World {
     next_look: u64,
     /// The mobile robot is made to break the rules: then its driving is not our fault.
     pub rogue: bool,
+    /// Records kept so far, and the ones after which the process dies before it carried anything out.
+    pub records: usize,
+    pub crash_at: Vec<usize>,
 }
 
 pub fn slot(name: &str) -> PlaceRef {
@@ -360,6 +365,7 @@ impl World {
             reports_loads: true,
             lies_slot: None,
             got: vec![],
+            read: 0,
         };
         let mut world = Self {
             now: 1_000,
@@ -393,6 +399,8 @@ impl World {
             crashes: 0,
             next_look: 0,
             rogue: false,
+            records: 0,
+            crash_at: vec![],
         };
         world.boot();
         world
@@ -411,9 +419,22 @@ impl World {
                     .all(|(_, p)| *p == workflow::Permit::None),
             "I7"
         );
+        for id in self.mobiles.keys().cloned().collect::<Vec<_>>() {
+            self.fetch(&id, u64::MAX);
+        }
         let jobs_may_act = self.may_act;
         let _reply = self.input(Input::Control { jobs_may_act }).unwrap();
         self.look();
+    }
+
+    /// A mobile robot asks for what it has not read.
+    fn fetch(&mut self, id: &str, up_to: u64) {
+        for out in self.cell.outbox(id, self.mobiles[id].read) {
+            if out.n > up_to {
+                break;
+            }
+            self.obey(id, out);
+        }
     }
 
     /// The process dies and comes back: everything volatile is gone, the journal is not.
@@ -442,6 +463,7 @@ impl World {
         let decision = self.cell.decide(self.now, input, &mut self.ids)?;
         self.journal
             .extend(decision.facts.iter().filter(|f| f.is_durable()).cloned());
+        self.records += usize::from(decision.facts.iter().any(Fact::is_durable));
         let mut effects = Vec::new();
         for fact in &decision.facts {
             if let Fact::JobMoved { to, text, .. } = fact {
@@ -472,6 +494,10 @@ impl World {
         }
         let broken = self.cell.violations();
         assert!(broken.is_empty(), "{broken:?}\n{}", self.story());
+        if decision.facts.iter().any(Fact::is_durable) && self.crash_at.contains(&self.records) {
+            self.crash();
+            return Ok(decision.reply);
+        }
         if self.chance.hits(self.odds.crash) {
             // Kept, but only a part of the effects was carried out.
             let some = self.chance.below(effects.len() as u64 + 1) as usize;
@@ -534,10 +560,11 @@ impl World {
                     self.results.push((self.now + 100, op, result));
                 }
             }
+            // It reads its outbox in order; what was not fetched before a crash is still there.
             Effect::Tell {
                 mobile_robot,
                 message,
-            } => self.obey(&mobile_robot, message),
+            } => self.fetch(&mobile_robot, message.n),
             Effect::Ask { intervention } => self.asked.push(intervention),
             Effect::Remind { .. } => {}
         }
@@ -705,6 +732,10 @@ impl World {
         assert!(!other, "two arms in the zone");
     }
 
+    #[allow(
+        clippy::unused_self,
+        reason = "reads like the other questions to the world"
+    )]
     pub fn arm_inside(&self, arm: &ArmTruth) -> bool {
         let inside = |t: &Target| t.place().is_some_and(PlaceRef::in_zone);
         arm.at.as_ref().is_some_and(inside)
@@ -722,6 +753,10 @@ impl World {
         self.log
             .push(format!("{now:>7} tell {id} {:?}", out.message));
         m.session = out.session.or(m.session);
+        if out.n <= m.read {
+            return;
+        }
+        m.read = out.n;
         m.got.push(out.message.clone());
         match out.message {
             Message::TransportOrder {
@@ -1038,7 +1073,7 @@ impl World {
             .collect();
         self.results.retain(|(at, ..)| *at > now);
         for (_, op, result) in due {
-            let linked = self.arms.values().any(|a| a.link && a.asked.contains(&op));
+            let linked = !self.arms.values().any(|a| !a.link && a.asked.contains(&op));
             if linked {
                 let _reply = self.input(Input::OperationEnded { op, result });
             }

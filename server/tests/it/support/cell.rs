@@ -87,7 +87,7 @@ impl TestServer {
             name: None,
             robots: vec![robot_section(robot.address)],
             setup: None,
-            push_urls: Default::default(),
+            push_urls: std::collections::BTreeMap::new(),
         };
         let other = CellSection {
             id: "c2".to_owned(),
@@ -148,7 +148,10 @@ impl TestServer {
     }
 
     async fn control_for(&self, path: &str) -> Option<&str> {
-        if path.ends_with("/motions") {
+        if ["/motions", "/resume", "/speed-override"]
+            .iter()
+            .any(|end| path.ends_with(end))
+        {
             Some(self.control().await)
         } else if path.starts_with("/fanuc/") {
             self.control.get().map(String::as_str)
@@ -180,7 +183,7 @@ impl TestServer {
     ) -> HttpReply {
         let mut headers = headers.to_vec();
         let control = match method {
-            "POST" => self.control_for(path).await,
+            "POST" | "PUT" => self.control_for(path).await,
             _ => None,
         };
         headers.extend(control.map(|token| ("control-token", token)));

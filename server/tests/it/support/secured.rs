@@ -102,15 +102,14 @@ impl Secured {
         self.send("POST", path, token, &body).await
     }
 
-    /// Asks for a motion with control.
+    /// Asks for a motion with control, under a new key.
     pub(crate) async fn motion(&self, token: &str, control: Option<&str>) -> HttpReply {
         let body = serde_json::from_str(super::cell::MOTION).unwrap();
-        let control: Vec<_> = control
-            .map(|token| ("control-token", token))
-            .into_iter()
-            .collect();
+        let key = super::cell::fresh_key();
+        let mut headers = vec![("idempotency-key", key.as_str())];
+        headers.extend(control.map(|token| ("control-token", token)));
         let path = super::cell::MOTIONS;
-        self.send_with("POST", path, token, &control, &body).await
+        self.send_with("POST", path, token, &headers, &body).await
     }
 }
 

@@ -48,6 +48,7 @@ async fn motions_follow_one_another_in_order() {
     assert_eq!(started, expected);
 }
 
+/// Covers: W2.
 #[tokio::test(start_paused = true)]
 async fn a_connection_lost_before_the_command_is_written_proves_that_it_was_not_sent() {
     let faults = [
@@ -75,6 +76,7 @@ async fn a_connection_lost_before_the_command_is_written_proves_that_it_was_not_
     }
 }
 
+/// Covers: W1.
 #[tokio::test(start_paused = true)]
 async fn a_refused_connection_is_tried_again_until_there_is_no_time_left() {
     let cell = Harness::start().await;
@@ -98,6 +100,7 @@ async fn a_refused_connection_is_tried_again_until_there_is_no_time_left() {
     assert!(began.elapsed() <= Duration::from_millis(1_001));
 }
 
+/// Covers: W5, N2.
 #[tokio::test(start_paused = true)]
 async fn a_lost_reply_is_no_failure_of_the_motion_the_status_port_tells() {
     let faults = [
@@ -117,6 +120,7 @@ async fn a_lost_reply_is_no_failure_of_the_motion_the_status_port_tells() {
     }
 }
 
+/// Covers: W5.
 #[tokio::test(start_paused = true)]
 async fn a_command_that_was_written_and_not_taken_is_fenced_and_then_proven_not_executed() {
     for fault in [
@@ -186,6 +190,7 @@ async fn an_order_whose_turn_comes_too_late_is_not_sent() {
     assert_eq!(cell.fake.brain().count(Event::Received(number)), 0);
 }
 
+/// Covers: W6.
 #[tokio::test(start_paused = true)]
 async fn every_refusal_of_the_controller_is_a_rejection_with_its_words() {
     let other = MotionNumber { epoch: 1, seq: 1 };
@@ -211,6 +216,7 @@ async fn every_refusal_of_the_controller_is_a_rejection_with_its_words() {
     assert!(arrived(&*cell.carry_out(to(50.0)).await));
 }
 
+/// Covers: W7, C11.
 #[tokio::test(start_paused = true)]
 async fn a_number_the_controller_has_had_before_is_in_doubt_and_another_ones_answer_is_none() {
     let cell = Harness::start().await;
@@ -239,6 +245,7 @@ async fn a_number_the_controller_has_had_before_is_in_doubt_and_another_ones_ans
     );
 }
 
+/// Covers: W11.
 #[tokio::test(start_paused = true)]
 async fn a_motion_that_ends_beside_its_target_is_in_doubt() {
     let cell = Harness::start().await;
@@ -256,6 +263,7 @@ async fn a_motion_that_ends_beside_its_target_is_in_doubt() {
     assert!(status.is_some());
 }
 
+/// Covers: W9.
 #[tokio::test(start_paused = true)]
 async fn a_motion_that_is_accepted_and_never_begins_is_in_doubt_after_two_seconds() {
     let cell = Harness::start().await;
@@ -276,6 +284,7 @@ async fn a_motion_that_is_accepted_and_never_begins_is_in_doubt_after_two_second
     assert!((2_000..=2_500).contains(&took), "{took} ms");
 }
 
+/// Covers: R3.
 #[tokio::test(start_paused = true)]
 async fn a_full_queue_turns_away_at_once() {
     let cell = Harness::start().await;

@@ -60,6 +60,7 @@ async fn a_start_finds_out_what_became_of_a_motion_of_the_start_before() {
     }
 }
 
+/// Covers: P8.
 #[tokio::test(start_paused = true)]
 async fn a_start_waits_for_a_motion_that_still_runs() {
     let cell = Harness::start().await;
@@ -79,6 +80,7 @@ async fn a_start_waits_for_a_motion_that_still_runs() {
     assert!(arrived(&*cell.end(motion).await));
 }
 
+/// Covers: P4.
 #[tokio::test(start_paused = true)]
 async fn a_motion_that_never_got_there_is_proven_not_executed() {
     let cell = Harness::start().await;
@@ -134,6 +136,7 @@ async fn an_old_server_that_wakes_up_moves_nothing_and_says_why() {
     old.judge();
 }
 
+/// Covers: W8.
 #[tokio::test(start_paused = true)]
 async fn an_old_server_whose_command_comes_late_is_told_so_by_the_controller() {
     let old = Harness::start().await;
@@ -185,6 +188,7 @@ async fn a_server_that_stops_waits_for_a_motion_that_is_about_to_arrive() {
     assert!(arrived(&*cell.end(motion).await));
 }
 
+/// Covers: N7.
 #[tokio::test(start_paused = true)]
 async fn a_link_whose_generations_are_used_up_watches_on_and_moves_nothing() {
     let cell = Harness::start().await;

@@ -20,6 +20,7 @@ async fn a_controller_is_fenced_before_anything_else_with_the_journals_epoch() {
     assert_eq!(view.connections, 1);
 }
 
+/// Covers: N10.
 #[tokio::test(start_paused = true)]
 async fn it_is_polled_five_times_a_second() {
     let cell = Harness::start().await;
@@ -30,6 +31,7 @@ async fn it_is_polled_five_times_a_second() {
     assert!((48..=51).contains(&polls), "{polls} in ten seconds");
 }
 
+/// Covers: W12, N1.
 #[tokio::test(start_paused = true)]
 async fn a_silent_controller_is_declared_lost_within_a_second() {
     for status in [Status::Silent, Status::Deaf] {
@@ -49,6 +51,7 @@ async fn a_silent_controller_is_declared_lost_within_a_second() {
     }
 }
 
+/// Covers: N3.
 #[tokio::test(start_paused = true)]
 async fn late_answers_degrade_the_link_and_timely_ones_mend_it() {
     let cell = Harness::start().await;
@@ -62,6 +65,7 @@ async fn late_answers_degrade_the_link_and_timely_ones_mend_it() {
     assert_eq!(cell.link.view().connections, 1);
 }
 
+/// Covers: W1, C6.
 #[tokio::test(start_paused = true)]
 async fn a_controller_that_cannot_be_reached_is_knocked_at_less_and_less_often() {
     for (status, each) in [(Status::Refused, 0.0), (Status::BlackHole, 1.0)] {
@@ -130,6 +134,7 @@ async fn an_idle_link_that_comes_back_keeps_its_epoch_and_a_used_one_takes_the_n
     assert_eq!(cell.link.view().wire_epoch, Some(7_001));
 }
 
+/// Covers: N7.
 #[tokio::test(start_paused = true)]
 async fn what_was_queued_before_a_loss_is_not_sent_after_it() {
     let cell = Harness::start().await;
@@ -169,6 +174,7 @@ async fn a_motion_goes_on_through_a_short_loss_and_is_found_arrived() {
     cell.judge();
 }
 
+/// Covers: W10.
 #[tokio::test(start_paused = true)]
 async fn the_dead_man_stops_a_motion_that_is_watched_no_more_and_the_next_epoch_frees_the_arm() {
     let cell = Harness::start().await;
@@ -207,6 +213,7 @@ async fn a_dead_man_found_on_a_living_connection_is_answered_with_the_next_gener
     assert!(arrived(&*cell.carry_out(to(20.0)).await));
 }
 
+/// Covers: N1.
 #[tokio::test(start_paused = true)]
 async fn a_controller_that_stays_away_leaves_the_motion_in_doubt_after_fifteen_seconds() {
     let cell = Harness::start().await;
@@ -231,6 +238,7 @@ async fn a_controller_that_stays_away_leaves_the_motion_in_doubt_after_fifteen_s
     assert!((14_900..=15_100).contains(&took), "{took} ms");
 }
 
+/// Covers: C1.
 #[tokio::test(start_paused = true)]
 async fn a_controller_started_again_leaves_the_motion_in_doubt() {
     let cell = Harness::start().await;
@@ -253,6 +261,7 @@ async fn a_controller_started_again_leaves_the_motion_in_doubt() {
     assert!(arrived(&*cell.carry_out(to(20.0)).await));
 }
 
+/// Covers: D5.
 #[tokio::test(start_paused = true)]
 async fn a_controller_that_lost_what_it_had_stored_leaves_an_accepted_motion_in_doubt() {
     let cell = Harness::start().await;
@@ -294,6 +303,7 @@ async fn a_command_that_was_lost_with_the_power_before_it_was_taken_is_proven_no
     );
 }
 
+/// Covers: W4.
 #[tokio::test(start_paused = true)]
 async fn a_changed_byte_or_a_lost_line_costs_the_connection_and_nothing_else() {
     for fault in [Status::Corrupt, Status::Drop] {

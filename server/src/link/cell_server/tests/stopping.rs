@@ -182,6 +182,7 @@ async fn a_stop_that_was_sent_and_not_confirmed_says_so_within_a_second() {
     );
 }
 
+/// Covers: C3.
 #[tokio::test(start_paused = true)]
 async fn a_motion_on_hold_is_waited_for_and_goes_on() {
     let cell = Harness::start().await;
@@ -256,6 +257,7 @@ async fn verbs_say_that_the_port_is_away_or_did_not_understand() {
     }
 }
 
+/// Covers: C4, C8, C9.
 #[tokio::test(start_paused = true)]
 async fn nothing_is_sent_to_a_controller_that_is_not_ready_and_the_reason_is_given() {
     type Change = fn(&Fake);
@@ -338,6 +340,7 @@ async fn nothing_is_sent_to_a_controller_that_is_not_ready_and_the_reason_is_giv
     assert!(arrived(&*cell.carry_out(to(100.0)).await));
 }
 
+/// Covers: C5.
 #[tokio::test(start_paused = true)]
 async fn an_alarm_in_the_middle_interrupts_the_motion() {
     let cell = Harness::start().await;

@@ -1,0 +1,22 @@
+//! The jobs of a cell as callers see them: what they may ask for, what is shown, what is told of the past.
+//!
+//! [`workflow`] decides, [`crate::cell`] drives and keeps; nothing is decided here.
+
+mod body;
+mod events;
+mod questions;
+mod refused;
+mod report;
+mod shown;
+mod story;
+#[cfg(test)]
+mod tests;
+mod words;
+
+pub(crate) use body::{command, location, new_job, principal, reason};
+pub(crate) use events::events;
+pub(crate) use questions::{answer, intervention};
+pub(crate) use refused::{problem, told};
+pub(crate) use report::report;
+pub(crate) use shown::{fault_name, job, load, load_location, permits, session, state_of, summary};
+pub(crate) use story::{History, history_of_load, remembered, story};
