@@ -254,7 +254,7 @@ impl App {
             })
             .collect::<Result<_, ServeError>>()?;
 
-        let robots = ready.iter().flat_map(|(_, _, _, robots, _)| robots);
+        let robots = ready.iter().flat_map(|(_, _, _, robots, ..)| robots);
         take_up(&journal, robots.cloned().collect(), tracker, stop).await?;
         let keys = InFlight::default();
         let mut cells = Vec::with_capacity(ready.len());
