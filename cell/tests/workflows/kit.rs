@@ -19,7 +19,7 @@ use tokio_util::sync::CancellationToken;
 pub(crate) const SCALE: f64 = 20.0;
 /// A job of two drives and a few motions takes about two minutes of the cell's time.
 pub(crate) const A_JOB: Duration = Duration::from_mins(1);
-const SETUP: &str = include_str!("../../demo.setup.toml");
+pub(crate) const SETUP: &str = include_str!("../../demo.setup.toml");
 const BASE: &str = "/api/v1/cells/demo";
 
 /// The virtual world and the server before it.
@@ -144,6 +144,18 @@ impl TestCell {
         let answer = request.send().await.unwrap();
         let status = answer.status();
         (status, answer.json().await.unwrap_or(Value::Null))
+    }
+
+    pub(crate) async fn put(&self, path: &str, body: &Value) -> (StatusCode, Value) {
+        let url = format!("http://{}{BASE}{path}", self.address);
+        let answer = self.http.put(url).json(body).send().await.unwrap();
+        let status = answer.status();
+        (status, answer.json().await.unwrap_or(Value::Null))
+    }
+
+    pub(crate) async fn delete(&self, path: &str) -> StatusCode {
+        let url = format!("http://{}{BASE}{path}", self.address);
+        self.http.delete(url).send().await.unwrap().status()
     }
 
     pub(crate) async fn get(&self, path: &str) -> Value {

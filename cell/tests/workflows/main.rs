@@ -6,7 +6,11 @@
     reason = "helpers of tests: a failure here fails the test"
 )]
 
+mod faults;
+mod faults_delivery;
+mod faults_pickup;
 mod kit;
+mod run;
 
 use cell::world::PartAt;
 use kit::TestCell;

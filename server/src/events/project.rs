@@ -1,4 +1,8 @@
 //! A record as events.
+#![expect(
+    clippy::wildcard_enum_match_arm,
+    reason = "most facts are not the matter here, and a new one is not either until somebody says so"
+)]
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -29,8 +33,6 @@ pub(super) struct Batch {
 /// An event as it is sent.
 #[derive(Debug)]
 pub(super) struct Ready {
-    /// Of all cells where there is none.
-    pub(super) cell: Option<Arc<str>>,
     pub(super) kind: &'static str,
     pub(super) job: Option<Uuid>,
     /// The event in JSON, for each cell that may see it.
@@ -118,7 +120,6 @@ impl Projector {
                 more: fields(fact),
             };
             batch.events.push(Ready {
-                cell: Some(Arc::clone(&cell)),
                 kind: event.kind,
                 job: event.job,
                 json: vec![(Arc::clone(&cell), event.json(batch.id, stored, &cell))],
@@ -153,7 +154,6 @@ impl Projector {
             .map(|id| (Arc::clone(id), event.json(batch.id, stored, id)))
             .collect();
         batch.events.push(Ready {
-            cell: cell.map(Arc::from),
             kind: event.kind,
             job,
             json,

@@ -1,0 +1,447 @@
+//! What goes wrong in both workflows: each function is one row of the fault matrix, or a part of one.
+
+use cell::world::PartAt;
+use karel_emulator::{LedgerEvent, Operation};
+use mobile_emulator::{Fault, LedgerEvent as MobileEvent};
+use serde_json::{Value, json};
+
+use crate::run::{Run, Which};
+
+/// The mobile robot takes no notice of its order: the same is sent three times more, then a person is asked.
+pub(crate) async fn unacknowledged(which: Which) {
+    let run = Run::with(
+        which,
+        &[Fault::OrderUnacknowledged { times: 4 }],
+        Value::Null,
+    )
+    .await;
+    let question = run.asked("F1").await;
+    assert_eq!(
+        question.answers(),
+        ["retry", "choose_mobile_robot", "cancel"]
+    );
+    let _job = run.until("SUSPENDED").await;
+    assert_eq!(
+        run.told("TRANSPORT_ORDER").await,
+        4,
+        "once and three times again"
+    );
+    run.answer(&question, "retry").await;
+    run.complete().await;
+}
+
+/// It stands on its way: it is called anew twice, then a person is asked.
+pub(crate) async fn late(which: Which) {
+    let stuck = Fault::Stuck { for_s: None };
+    let run = Run::with(which, &[stuck], json!({"expected_arrival_s": 20})).await;
+    let question = run.asked("F2").await;
+    let _job = run.until("SUSPENDED").await;
+    run.nothing_moves().await;
+    run.faults_end().await;
+    run.answer(&question, "redispatch").await;
+    run.complete().await;
+}
+
+/// Docking fails once: nobody has to do anything.
+pub(crate) async fn docks_the_second_time(which: Which) {
+    let run = Run::with(which, &[Fault::DockFails { times: 1 }], Value::Null).await;
+    run.complete().await;
+    assert!(run.has("F3").await);
+    run.assert_nobody_asked().await;
+}
+
+/// It always fails: a person is asked, and the arm has not moved for it.
+pub(crate) async fn docking_fails(which: Which) {
+    let run = Run::with(which, &[Fault::DockFails { times: 100 }], Value::Null).await;
+    let question = run.asked("F3").await;
+    assert_eq!(question.answers(), ["retry", "accept_measured", "cancel"]);
+    let _job = run.until("SUSPENDED").await;
+    assert_eq!(run.told("RETRY").await, 2);
+    run.nothing_moves().await;
+    run.faults_end().await;
+    run.answer(&question, "retry").await;
+    run.complete().await;
+}
+
+/// A pose that cannot be reached: nothing moves, nobody is called, and the report names what is wrong.
+pub(crate) async fn unreachable(which: Which) {
+    let at = match which {
+        Which::Delivery => (
+            "pose = { x_mm = -100, y_mm = 1000,",
+            "pose = { x_mm = -1190, y_mm = 1390,",
+        ),
+        Which::Pickup => (
+            "pose = { x_mm = 500, y_mm = 1000,",
+            "pose = { x_mm = 1590, y_mm = 1390,",
+        ),
+    };
+    let run = Run::with_setup(which, at.0, at.1, Value::Null).await;
+    let job = run.until("STOPPED").await;
+    assert!(run.has("F6").await, "{job}");
+    let text = job["faults"].to_string();
+    assert!(text.contains(which.place()), "{text}");
+    assert_eq!(run.told("TRANSPORT_ORDER").await, 0, "nobody was called");
+    let ledger = run.cell.ledger().await;
+    assert!(
+        !ledger
+            .iter()
+            .any(|entry| entry.event == LedgerEvent::Started)
+    );
+    assert_eq!(run.job().await["claims"], json!([]));
+    run.assert_at(&which.source()).await;
+}
+
+/// The controller raises an alarm in the middle of a motion: nothing goes on before a person said how.
+pub(crate) async fn alarm(which: Which) {
+    let run = Run::start(which).await;
+    run.until_phase("PLACE_APPROACH").await;
+    run.operate(Operation::RaiseAlarm {
+        facility: "MOTN".to_owned(),
+        number: 63,
+        text: "Position not reachable".to_owned(),
+        severity: karel_emulator::alarms::Severity::Abort,
+    })
+    .await;
+    let _job = run.until("HELD").await;
+    run.nothing_moves().await;
+    run.operate(Operation::Reset).await;
+    let question = run.asked("F7").await;
+    assert!(
+        question.answers().contains(&"replan"),
+        "{:?}",
+        question.answers()
+    );
+    run.answer(&question, "replan").await;
+    run.complete().await;
+}
+
+/// The controller loses power in the middle of a motion. What became of the motion nobody knows but a person.
+pub(crate) async fn power_cycle(which: Which) {
+    let run = Run::start(which).await;
+    run.until_in_zone().await;
+    run.arm()
+        .power_cycle(karel_emulator::CmosMemory::Kept)
+        .await
+        .unwrap();
+    let question = run.asked("F8").await;
+    let _job = run.until("SUSPENDED").await;
+    run.nothing_moves().await;
+    run.answer(&question, "replan").await;
+    run.complete().await;
+}
+
+/// The gripper is jammed for the first try: it opens, goes out and tries again, and nobody is asked.
+pub(crate) async fn grip_fails_once(which: Which) {
+    let run = Run::start(which).await;
+    run.moves_part(run.load(), PartAt::Floor([0, 0, 0]));
+    run.until_has("F9").await;
+    run.moves_part(run.load(), which.source());
+    run.complete().await;
+    run.assert_nobody_asked().await;
+}
+
+/// The load is not where it should be: after the tries a person is asked.
+pub(crate) async fn grip_fails(which: Which) {
+    let run = Run::start(which).await;
+    run.until_phase("APPROACH").await;
+    run.moves_part(run.load(), PartAt::Floor([0, 0, 0]));
+    let question = run.asked("F4").await;
+    assert!(run.has("F9").await);
+    let _job = run.until("HELD").await;
+    run.nothing_moves().await;
+    run.until_out_of_zone().await;
+    run.moves_part(run.load(), which.source());
+    run.answer(&question, "rescan").await;
+    run.complete().await;
+}
+
+/// The part falls out of the gripper: the job is aborted, and only a person can say where the part is.
+pub(crate) async fn part_lost(which: Which) {
+    let run = Run::start(which).await;
+    run.until_gripped().await;
+    run.until_phase("PLACE_APPROACH").await;
+    run.operate(Operation::LosePart).await;
+    let _job = run.until("ABORTED").await;
+    let custody = run.cell.custody(run.load()).await;
+    assert_eq!(custody["location"]["at"], "UNKNOWN");
+    let question = run.asked("F10").await;
+    assert_eq!(question.answers(), ["set_custody"]);
+    run.nothing_moves().await;
+    let (status, said) = run.try_command("clear").await;
+    assert_eq!(status, 409, "first the load: {said}");
+    let at = json!({"at": "FIXED", "place": "rack/f"});
+    let custody = json!({"confirm": "load-9", "location": at});
+    let wrong = json!({"answer": "set_custody", "custody": custody});
+    let (status, said) = run.try_answer(&question, wrong).await;
+    assert!(
+        (400..500).contains(&status),
+        "two fields have to agree: {status} {said}"
+    );
+    run.moves_part(run.load(), PartAt::Place("rack/f".to_owned()));
+    let custody = json!({"confirm": run.load(), "location": at});
+    run.answer_with(
+        &question,
+        json!({"answer": "set_custody", "custody": custody}),
+    )
+    .await;
+    run.command("clear").await;
+    let _job = run.until("STOPPED").await;
+    run.assert_at(&PartAt::Place("rack/f".to_owned())).await;
+    run.assert_orderly().await;
+}
+
+/// It drives off while the arm is in the zone: the arm stops at once, it is told to stand, all is aborted.
+pub(crate) async fn drives_off(which: Which) {
+    let run = Run::start(which).await;
+    run.until_in_zone().await;
+    run.fault(Fault::DrivesOff { after_s: 0.0 }).await;
+    let _job = run.until("ABORTED").await;
+    assert!(run.has("F11").await);
+    run.until_no_permits().await;
+    run.cell
+        .wait(
+            "the mobile robot was told to stand",
+            crate::kit::A_JOB,
+            async |_| (run.told("START_PAUSE").await == 1).then_some(()),
+        )
+        .await;
+    let ledger = run.cell.ledger().await;
+    let last = ledger
+        .iter()
+        .rev()
+        .find(|entry| entry.command.is_some())
+        .unwrap();
+    assert!(
+        matches!(last.event, LedgerEvent::Cancelled | LedgerEvent::Finished),
+        "the arm stands: {last:?}"
+    );
+    run.nothing_moves().await;
+    run.command("clear").await;
+    let _job = run.until("STOPPED").await;
+    run.cell.assert_nothing_twice().await;
+}
+
+/// Its heartbeats stop under the arm: the arm goes out; when they come again, the job goes on by itself.
+pub(crate) async fn heartbeats_stop(which: Which) {
+    let run = Run::start(which).await;
+    run.until_in_zone().await;
+    run.fault(Fault::HeartbeatStops { for_s: None }).await;
+    let question = run.asked("F12").await;
+    assert_eq!(question.answers(), ["resume", "cancel"]);
+    let _job = run.until("SUSPENDED").await;
+    run.until_no_permits().await;
+    run.until_out_of_zone().await;
+    run.nothing_moves().await;
+    run.faults_end().await;
+    run.complete().await;
+    let asked = run
+        .cell
+        .get(&format!(
+            "/interventions/{}",
+            question.0["id"].as_str().unwrap()
+        ))
+        .await;
+    assert_eq!(asked["state"], "WITHDRAWN", "{asked}");
+}
+
+/// Somebody turns its key: the arm goes out, and waits until it is automatic again.
+pub(crate) async fn manual_mode(which: Which) {
+    let run = Run::start(which).await;
+    run.until_in_zone().await;
+    let mode = api::OperatingMode::Manual;
+    run.fault(Fault::Mode { mode }).await;
+    let question = run.asked("F13").await;
+    assert_eq!(question.answers(), ["redispatch", "cancel"]);
+    let _job = run.until("SUSPENDED").await;
+    run.until_no_permits().await;
+    run.until_out_of_zone().await;
+    run.nothing_moves().await;
+    let mode = api::OperatingMode::Automatic;
+    run.fault(Fault::Mode { mode }).await;
+    run.complete().await;
+}
+
+/// Somebody opens the fence: nothing goes on before a person has reset the arm and lets the job go on.
+pub(crate) async fn protective_stop(which: Which) {
+    let run = Run::start(which).await;
+    run.until_in_zone().await;
+    run.operate(Operation::RaiseAlarm {
+        facility: "SRVO".to_owned(),
+        number: 4,
+        text: "Fence open".to_owned(),
+        severity: karel_emulator::alarms::Severity::Pause,
+    })
+    .await;
+    let _job = run.until("HELD").await;
+    assert!(run.has("F14").await);
+    run.until_no_permits().await;
+    run.nothing_moves().await;
+    run.operate(Operation::Reset).await;
+    run.nothing_moves().await;
+    run.command("unhold").await;
+    run.complete().await;
+}
+
+/// Somebody presses the emergency stop: the job is aborted, and stays so until a person cleared it.
+pub(crate) async fn emergency_stop(which: Which) {
+    let run = Run::start(which).await;
+    run.until_in_zone().await;
+    run.operate(Operation::EmergencyStop(true)).await;
+    let _job = run.until("ABORTED").await;
+    assert!(run.has("F15").await);
+    run.until_no_permits().await;
+    run.nothing_moves().await;
+    run.operate(Operation::EmergencyStop(false)).await;
+    run.operate(Operation::Reset).await;
+    run.nothing_moves().await;
+    run.command("clear").await;
+    let _job = run.until("STOPPED").await;
+    run.assert_orderly().await;
+}
+
+/// Canceled before the load was touched: the arm goes out, the mobile robot goes away, the load is where it was.
+pub(crate) async fn canceled_before_the_pivot(which: Which) {
+    let run = Run::start(which).await;
+    run.until_phase("APPROACH").await;
+    run.command("stop").await;
+    let _job = run.until("STOPPED").await;
+    run.assert_at(&which.source()).await;
+    run.cell
+        .wait("no claims", crate::kit::A_JOB, async |_| {
+            (run.job().await["claims"] == json!([])).then_some(())
+        })
+        .await;
+    let ledger = run.mobile().ledger().await.unwrap();
+    let left = ledger
+        .iter()
+        .any(|entry| matches!(entry.event, MobileEvent::ZoneLeft { .. }));
+    assert!(left, "it has left the zone");
+    run.assert_orderly().await;
+}
+
+/// Canceled while it is on its way: the order is taken back.
+pub(crate) async fn canceled_before_it_came(which: Which) {
+    let run = Run::start(which).await;
+    run.until_phase("AWAIT").await;
+    run.command("stop").await;
+    let _job = run.until("STOPPED").await;
+    assert_eq!(run.told("CANCEL_ORDER").await, 1);
+    assert_eq!(run.job().await["claims"], json!([]));
+    run.assert_at(&which.source()).await;
+    run.assert_orderly().await;
+}
+
+/// Canceled with the load in the gripper: the job's own policy says where it goes.
+pub(crate) async fn canceled_with_load(which: Which, policy: &str, at: PartAt) {
+    let more = json!({"on_cancel_with_load": policy, "reject_slot": "reject"});
+    let run = Run::with(which, &[], more).await;
+    run.until_gripped().await;
+    run.until_phase("LIFT_CLEAR").await;
+    run.command("stop").await;
+    let _job = run.until("STOPPED").await;
+    run.assert_at(&at).await;
+    run.assert_orderly().await;
+}
+
+/// The policy is to ask: a person says where it goes.
+pub(crate) async fn canceled_with_load_asks(which: Which) {
+    let run = Run::start(which).await;
+    run.until_gripped().await;
+    run.until_phase("LIFT_CLEAR").await;
+    run.command("stop").await;
+    let question = run.asked("F17").await;
+    assert_eq!(question.answers(), ["complete", "put_back", "set_custody"]);
+    assert_eq!(run.job().await["state"], "STOPPING");
+    run.nothing_moves().await;
+    run.answer(&question, "put_back").await;
+    let _job = run.until("STOPPED").await;
+    run.assert_at(&which.source()).await;
+    run.assert_orderly().await;
+}
+
+/// It stays although it may leave: the point stays occupied, and a person is asked.
+pub(crate) async fn does_not_leave(which: Which) {
+    let run = Run::with(which, &[Fault::DoesNotLeave { for_s: None }], Value::Null).await;
+    let question = run.asked("F19").await;
+    assert_eq!(
+        question.answers(),
+        ["retry", "operator_moved", "cancel_order"]
+    );
+    assert_eq!(
+        run.told("EXIT_GRANTED").await,
+        4,
+        "once and three times again"
+    );
+    let claims = run.job().await["claims"].to_string();
+    assert!(claims.contains("handover/front"), "{claims}");
+    run.faults_end().await;
+    run.answer(&question, "retry").await;
+    run.complete().await;
+    run.cell
+        .wait("the point is free", crate::kit::A_JOB, async |_| {
+            (run.job().await["claims"] == json!([])).then_some(())
+        })
+        .await;
+}
+
+/// Somebody takes control: the job stands still until it has control again, and a person lets it go on.
+pub(crate) async fn control_taken(which: Which) {
+    let run = Run::start(which).await;
+    run.until_in_zone().await;
+    let body = json!({"station": "REMOTE", "ttl_s": 60, "reason": "a look", "preempt": true});
+    let (status, lease) = run.cell.post("/control-authority", &body).await;
+    assert_eq!(status, 201, "{lease}");
+    let _job = run.until("HELD").await;
+    assert!(run.has("F22").await);
+    run.nothing_moves().await;
+    let (status, said) = run.try_command("unhold").await;
+    assert_eq!(status, 409, "control has to come back first: {said}");
+    let id = lease["lease"]
+        .as_str()
+        .or_else(|| lease["id"].as_str())
+        .unwrap();
+    let given = run.cell.delete(&format!("/control-authority/{id}")).await;
+    assert_eq!(given, 200);
+    run.nothing_moves().await;
+    run.command("unhold").await;
+    run.complete().await;
+}
+
+/// Signals come twice, late, and one before the other: nothing happens twice.
+pub(crate) async fn confused_signals(which: Which) {
+    let faults = [
+        Fault::DuplicateSignal {
+            signal: Some(api::SignalName::MrDocked),
+            nth: None,
+            copies: 3,
+        },
+        Fault::DuplicateSignal {
+            signal: Some(api::SignalName::MrReady),
+            nth: None,
+            copies: 2,
+        },
+        Fault::LoseAnswer {
+            signal: Some(api::SignalName::MrArrived),
+            nth: None,
+            answers: 2,
+        },
+        Fault::ReorderSignal {
+            signal: Some(api::SignalName::MrAssigned),
+            nth: None,
+        },
+        Fault::LoseSignal {
+            signal: Some(api::SignalName::MrClear),
+            nth: None,
+            transmissions: Some(2),
+            number: mobile_emulator::LostNumber::Unused,
+        },
+    ];
+    let run = Run::with(which, &faults, Value::Null).await;
+    run.complete().await;
+    let ledger = run.mobile().ledger().await.unwrap();
+    let sent_again = ledger.iter().filter(
+        |entry| matches!(entry.event, MobileEvent::SignalSent { attempt, .. } if attempt > 1),
+    );
+    assert!(sent_again.count() >= 3, "the faults happened");
+    run.assert_nobody_asked().await;
+}
