@@ -5,7 +5,10 @@
     reason = "helpers of tests: a failure here fails the test"
 )]
 
+mod crashes;
+mod judge;
 mod kit;
+mod operator;
 
 use cell::world::PartAt;
 use kit::TestCell;
