@@ -6,10 +6,13 @@
     reason = "helpers of tests: a failure here fails the test"
 )]
 
+mod crashes;
 mod faults;
 mod faults_delivery;
 mod faults_pickup;
+mod judge;
 mod kit;
+mod operator;
 mod run;
 
 use cell::world::PartAt;

@@ -1,0 +1,276 @@
+//! F21: the server's plug is pulled, at any moment and any number of times, and started again.
+//!
+//! The arms, the mobile robots and the loads go on meanwhile. Afterwards every job ends, with a person's help where only
+//! a person can know, and nothing was done twice.
+
+use std::time::Duration;
+
+use karel_emulator::CmosMemory;
+use karel_emulator::gripper::GripperPosition;
+use serde_json::{Value, json};
+
+use crate::kit::{A_JOB, TestCell};
+
+/// Rows of workflow A as a job shows them.
+const A: [&str; 15] = [
+    "A1", "A2", "A3", "A4", "A5", "A6", "A7", "A8", "A9", "A10", "A12", "A13", "A14", "A15", "A16",
+];
+/// Rows of workflow B. All of the arm's way to a load and back is B4.
+const B: [&str; 13] = [
+    "B1", "B2", "B3", "B5", "B6", "B7", "B8", "B9", "B10", "B11", "B12", "B13-B14", "B15",
+];
+
+/// How many plugs the random test pulls.
+fn kills() -> usize {
+    std::env::var("ROBOCELL_KILLS")
+        .map_or(40, |text| text.parse().expect("ROBOCELL_KILLS is a number"))
+}
+
+/// A small generator of random numbers: the same seed, the same moments.
+struct Chance(u64);
+
+impl Chance {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, limit: u64) -> u64 {
+        self.next() % limit
+    }
+}
+
+/// Whether a job is at a row, or past it.
+fn is_at(job: &Value, code: &str) -> bool {
+    let steps: Vec<_> = job["steps"].as_array().into_iter().flatten().collect();
+    let step = steps.iter().find(|step| step["code"] == code);
+    step.is_some_and(|step| step["state"] != "PENDING")
+}
+
+/// Pulls the plug at each row of a job.
+async fn at_every_row(cell: &mut TestCell, job: &str, rows: &[&str]) -> Vec<String> {
+    let mut shown = Vec::new();
+    for row in rows {
+        let path = format!("/jobs/{job}");
+        let at = cell
+            .wait(&format!("row {row}"), A_JOB, async |cell| {
+                let _said = cell.answer_everything().await;
+                let job = cell.get(&path).await;
+                let over = matches!(job["state"].as_str(), Some("COMPLETE" | "STOPPED"));
+                (over || is_at(&job, row)).then_some(job)
+            })
+            .await;
+        shown.push(format!("{row}: {}", at["code"]));
+        cell.crash().await;
+    }
+    shown
+}
+
+/// Covers: F21, P3, P4, P6, P11.
+#[tokio::test(flavor = "multi_thread")]
+async fn f21_a_delivery_survives_a_crash_in_each_of_its_rows() {
+    let mut cell = TestCell::start().await;
+    let job = cell.delivery("rack/d").await;
+    let shown = at_every_row(&mut cell, &job, &A).await;
+    let (ended, said) = cell.see_through(&job).await;
+    eprintln!("{shown:?}\n{said:#?}");
+    assert_eq!(ended["state"], "COMPLETE", "{ended:#}");
+    cell.assert_sound().await;
+}
+
+/// Covers: F21, P3, P4, P6, P11.
+#[tokio::test(flavor = "multi_thread")]
+async fn f21_a_pickup_survives_a_crash_in_each_of_its_rows() {
+    let mut cell = TestCell::start().await;
+    let job = cell.pickup().await;
+    let shown = at_every_row(&mut cell, &job, &B).await;
+    let (ended, said) = cell.see_through(&job).await;
+    eprintln!("{shown:?}\n{said:#?}");
+    assert_eq!(ended["state"], "COMPLETE", "{ended:#}");
+    cell.assert_sound().await;
+}
+
+/// Covers: F21, P6, P7, P8, P10, P13.
+#[tokio::test(flavor = "multi_thread")]
+async fn f21_p13_crashes_at_random_moments_and_during_the_recovery_do_nothing_twice() {
+    let (mut pulled, mut round, kills) = (0, 0, kills());
+    while pulled < kills {
+        round += 1;
+        let mut chance = Chance(round);
+        let mut cell = TestCell::start().await;
+        let jobs = [cell.delivery("rack/d").await, cell.pickup().await];
+        for job in &jobs {
+            for _ in 0..6 {
+                cell.after(Duration::from_millis(chance.below(300))).await;
+                cell.pull_the_plug();
+                pulled += 1;
+                // Every third start is killed in the middle of the recovery.
+                while chance.below(3) == 0 {
+                    cell.plug_in().await;
+                    cell.after(Duration::from_millis(chance.below(30))).await;
+                    cell.pull_the_plug();
+                    pulled += 1;
+                }
+                cell.start_server().await;
+                cell.assert_nothing_twice().await;
+                let path = format!("/jobs/{job}");
+                let state = cell.get(&path).await["state"].clone();
+                if matches!(state.as_str(), Some("COMPLETE" | "STOPPED")) {
+                    break;
+                }
+                let _said = cell.answer_everything().await;
+            }
+            let (ended, said) = cell.see_through(job).await;
+            eprintln!(
+                "round {round}, {pulled} pulled: {} {said:#?}",
+                ended["state"]
+            );
+        }
+        cell.assert_sound().await;
+    }
+    eprintln!("{pulled} plugs pulled in {round} rounds");
+}
+
+/// Pulls the plug the moment something of the world is so.
+async fn when(cell: &mut TestCell, what: &str, is_so: impl AsyncFn(&TestCell) -> bool) {
+    cell.wait(what, A_JOB, async |cell| is_so(cell).await.then_some(()))
+        .await;
+    cell.crash().await;
+}
+
+/// Covers: F21, P7, P10, P11.
+#[tokio::test(flavor = "multi_thread")]
+async fn f21_a_crash_while_the_world_is_in_motion_is_survived() {
+    let mut cell = TestCell::start().await;
+    let job = cell.delivery("rack/d").await;
+    when(&mut cell, "a permit to move is granted", async |cell| {
+        cell.mobile_robot().state().await.unwrap().move_permit
+    })
+    .await;
+    when(&mut cell, "the mobile robot docks", async |cell| {
+        cell.mobile_robot().state().await.unwrap().phase == Some(mobile_emulator::Phase::Docking)
+    })
+    .await;
+    when(&mut cell, "the arm moves", async |cell| {
+        cell.controller().state().await.unwrap().moving
+    })
+    .await;
+    when(&mut cell, "the gripper closes", async |cell| {
+        let gripper = cell.controller().state().await.unwrap().gripper.unwrap();
+        gripper.position == GripperPosition::Closing
+    })
+    .await;
+    when(&mut cell, "the arm moves with the load", async |cell| {
+        let state = cell.controller().state().await.unwrap();
+        state.moving && state.gripper.unwrap().part.is_some()
+    })
+    .await;
+    when(&mut cell, "the gripper opens", async |cell| {
+        let gripper = cell.controller().state().await.unwrap().gripper.unwrap();
+        gripper.position == GripperPosition::Opening
+    })
+    .await;
+    let (ended, said) = cell.see_through(&job).await;
+    eprintln!("{said:#?}");
+    assert_eq!(ended["state"], "COMPLETE", "{ended:#}");
+    cell.assert_sound().await;
+}
+
+/// A motion in the middle of which the server died and the controller lost power: nobody can know what it did.
+///
+/// Covers: F21, P6.
+#[tokio::test(flavor = "multi_thread")]
+async fn f21_what_only_a_person_can_know_is_asked_with_its_evidence() {
+    let mut cell = TestCell::start().await;
+    let job = cell.delivery("rack/d").await;
+    cell.wait("the arm moves", A_JOB, async |cell| {
+        cell.controller()
+            .state()
+            .await
+            .unwrap()
+            .moving
+            .then_some(())
+    })
+    .await;
+    cell.pull_the_plug();
+    cell.controller()
+        .power_cycle(CmosMemory::Kept)
+        .await
+        .unwrap();
+    let began = cell.begun().await;
+    cell.start_server().await;
+    let question = cell
+        .wait("a question", A_JOB, async |cell| {
+            cell.questions().await.pop()
+        })
+        .await;
+    eprintln!("{question:#}");
+    assert_eq!(
+        cell.begun().await,
+        began,
+        "nothing moves before a person answered"
+    );
+    assert!(
+        !question["known"].as_array().unwrap().is_empty(),
+        "{question:#}"
+    );
+    // Once more: the question is still there, and the same one.
+    cell.crash().await;
+    let again = cell
+        .wait("the question again", A_JOB, async |cell| {
+            cell.questions().await.pop()
+        })
+        .await;
+    assert_eq!(again["id"], question["id"]);
+    assert_eq!(
+        cell.begun().await,
+        began,
+        "nothing moves before a person answered"
+    );
+    let (ended, said) = cell.see_through(&job).await;
+    eprintln!("{said:#?}");
+    assert_eq!(ended["state"], "COMPLETE", "{ended:#}");
+    cell.assert_sound().await;
+}
+
+/// Covers: F21, P1, P2.
+#[tokio::test(flavor = "multi_thread")]
+async fn f21_a_key_makes_one_job_over_any_crash() {
+    let mut cell = TestCell::start().await;
+    let body = json!({"workflow": "delivery-and-placement", "params": {
+        "point": "handover/front",
+        "items": [{"load_id": "load-1", "type": "crate", "mr_slot": "left", "place": "rack/d"}]
+    }});
+    let (status, first) = cell.post_with_key("/jobs", "the-key", &body).await;
+    assert!(status.is_success(), "{status} {first}");
+    for _ in 0..3 {
+        cell.crash().await;
+        let (status, again) = cell.post_with_key("/jobs", "the-key", &body).await;
+        assert!(status.is_success(), "{status} {again}");
+        assert_eq!(again["id"], first["id"]);
+    }
+    // A request that the crash met on its way: whether it was kept or not, its key makes one job.
+    let lost = TestCell::pickup_body();
+    for round in 0..4 {
+        let key = format!("lost-{round}");
+        let after = Duration::from_millis(2 * round);
+        cell.lose("/jobs", &key, &lost, after).await;
+        cell.start_server().await;
+        let (status, one) = cell.post_with_key("/jobs", &key, &lost).await;
+        let (_, two) = cell.post_with_key("/jobs", &key, &lost).await;
+        assert!(status.is_success(), "{status} {one}");
+        assert_eq!(one["id"], two["id"]);
+        let stop = json!({"command": "stop", "reason": "one is enough"});
+        let path = format!("/jobs/{}/commands", one["id"].as_str().unwrap());
+        let (status, answer) = cell.post(&path, &stop).await;
+        assert!(status.is_success(), "{status} {answer}");
+    }
+    let jobs = cell.get("/jobs").await;
+    assert_eq!(jobs["jobs"].as_array().unwrap().len(), 5, "{jobs:#}");
+    let (ended, _said) = cell.see_through(first["id"].as_str().unwrap()).await;
+    assert_eq!(ended["state"], "COMPLETE", "{ended:#}");
+    cell.assert_sound().await;
+}
