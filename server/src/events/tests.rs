@@ -48,6 +48,9 @@ impl World {
     async fn new(kept: usize) -> Self {
         let journal = journal(kept);
         let recovered = crate::cell::test_handle(&journal).await;
+        // Its first decision is the recovery.
+        let mut kept = journal.watch();
+        let _second = kept.wait_for(|last| *last >= Position(2)).await.unwrap();
         let events = Events::start(
             journal.clone(),
             Timestamp::UNIX_EPOCH,
