@@ -141,6 +141,15 @@ async fn the_examples_of_the_openapi_document_work_when_they_are_tried() -> anyh
             };
             // In a demo there are no tokens, and the set-up of this cell is empty: it has no mobile robot.
             let absent = ["/api/v1/tokens", "/setup/", "/mobile-robots/"];
+            // A stream of events has no end to wait for.
+            let answers = &operation["responses"]["200"]["content"];
+            if answers.as_object().is_some_and(|content| {
+                content
+                    .keys()
+                    .any(|kind| kind.starts_with("text/event-stream"))
+            }) {
+                continue;
+            }
             if absent.iter().any(|part| path.contains(part)) {
                 continue;
             }
