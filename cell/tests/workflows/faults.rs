@@ -20,8 +20,8 @@ pub(crate) async fn unacknowledged(which: Which) {
 
 /// It stands on its way: it is called anew twice, then a person is asked.
 pub(crate) async fn late(which: Which) {
-    let stuck = Fault::Stuck { for_s: None };
-    let run = Run::with(which, &[stuck], json!({"expected_arrival_s": 20})).await;
+    let late = Fault::Late { delay_s: 10_000.0 };
+    let run = Run::with(which, &[late], json!({"expected_arrival_s": 20})).await;
     let question = run.asked("F2").await;
     let _job = run.until("SUSPENDED").await;
     run.nothing_moves().await;
@@ -42,7 +42,7 @@ pub(crate) async fn docks_the_second_time(which: Which) {
 pub(crate) async fn docking_fails(which: Which) {
     let run = Run::with(which, &[Fault::DockFails { times: 100 }], Value::Null).await;
     let question = run.asked("F3").await;
-    assert_eq!(question.answers(), ["retry", "accept_measured", "cancel"]);
+    assert_eq!(question.answers(), ["retry", "redispatch", "cancel"]);
     let _job = run.until("SUSPENDED").await;
     assert_eq!(run.told("RETRY").await, 2);
     run.nothing_moves().await;
@@ -104,24 +104,24 @@ pub(crate) async fn power_cycle(which: Which) {
 /// The gripper is jammed for the first try: it opens, goes out and tries again, and nobody is asked.
 pub(crate) async fn grip_fails_once(which: Which) {
     let run = Run::start(which).await;
-    run.moves_part(run.load(), PartAt::Floor([0, 0, 0]));
+    run.operate(Operation::JamGripper(true)).await;
     run.until_has("F9").await;
-    run.moves_part(run.load(), which.source());
+    run.operate(Operation::JamGripper(false)).await;
     run.complete().await;
     run.assert_nobody_asked().await;
 }
 
-/// The load is not where it should be: after the tries a person is asked.
+/// The gripper does not close at all: after the tries a person is asked.
 pub(crate) async fn grip_fails(which: Which) {
     let run = Run::start(which).await;
-    run.until_phase("APPROACH").await;
-    run.moves_part(run.load(), PartAt::Floor([0, 0, 0]));
+    run.operate(Operation::JamGripper(true)).await;
     let question = run.asked("F4").await;
     assert!(run.has("F9").await);
     let _job = run.until("HELD").await;
     run.nothing_moves().await;
     run.until_out_of_zone().await;
-    run.moves_part(run.load(), which.source());
+    run.assert_at(&which.source()).await;
+    run.operate(Operation::JamGripper(false)).await;
     run.answer(&question, "rescan").await;
     run.complete().await;
 }
@@ -194,7 +194,7 @@ pub(crate) async fn heartbeats_stop(which: Which) {
     run.faults_end().await;
     run.complete().await;
     let asked = run.cell.get(&format!("/interventions/{}", question.0["id"].as_str().unwrap())).await;
-    assert_eq!(asked["state"], "WITHDRAWN", "{asked}");
+    assert_eq!(asked["state"], "withdrawn", "{asked}");
 }
 
 /// Somebody turns its key: the arm goes out, and waits until it is automatic again.
@@ -316,14 +316,17 @@ pub(crate) async fn does_not_leave(which: Which) {
     let question = run.asked("F19").await;
     assert_eq!(question.answers(), ["retry", "operator_moved", "cancel_order"]);
     assert_eq!(run.told("EXIT_GRANTED").await, 4, "once and three times again");
-    let claims = run.job().await["claims"].to_string();
-    assert!(claims.contains("handover/front"), "{claims}");
+    let sessions = run.cell.get("/sessions").await;
+    let session = &sessions["sessions"][0];
+    assert_eq!(session["closed"], false, "the point is not free");
+    assert_eq!(session["arm_entry_permit"], false);
     run.faults_end().await;
     run.answer(&question, "retry").await;
     run.complete().await;
     run.cell
-        .wait("the point is free", crate::kit::A_JOB, async |_| {
-            (run.job().await["claims"] == json!([])).then_some(())
+        .wait("the point is free", crate::kit::A_JOB, async |cell| {
+            let sessions = cell.get("/sessions").await;
+            (sessions["sessions"][0]["closed"] == true).then_some(())
         })
         .await;
 }

@@ -259,7 +259,7 @@ impl Run {
     pub(crate) async fn has(&self, fault: &str) -> bool {
         let job = self.job().await;
         let mut noted = job["faults"].as_array().into_iter().flatten();
-        noted.any(|one| one["fault"]["code"] == fault)
+        noted.any(|one| one["code"] == fault)
     }
 
     /// Waits until a fault is noted at the job.

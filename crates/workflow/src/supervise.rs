@@ -62,15 +62,20 @@ impl Work<'_> {
             );
             return;
         }
-        if live.seen.link
-            && matches!(live.seen.safety, Safety::ProtectiveStop | Safety::Fault)
-            && !(held && by(Fault::ProtectiveStop))
+        let stopped = match live.seen.safety {
+            Safety::ProtectiveStop => Some(Fault::ProtectiveStop),
+            Safety::Fault => Some(Fault::ControllerAlarm),
+            Safety::Normal | Safety::Reduced | Safety::EmergencyStop | Safety::Unknown => None,
+        };
+        if let Some(fault) = stopped
+            && live.seen.link
+            && !(held && by(fault))
             && job.state != JobState::Stopping
         {
             self.react(
                 job,
                 Reaction {
-                    fault: Fault::ProtectiveStop,
+                    fault,
                     text: format!("{arm} is in {:?}", live.seen.safety),
                     permits: true,
                     ..Reaction::default()
@@ -79,9 +84,7 @@ impl Work<'_> {
             self.go(
                 job.id,
                 JobState::Holding,
-                Why::Fault {
-                    fault: Fault::ProtectiveStop,
-                },
+                Why::Fault { fault },
                 "a human has to reset the arm and unhold the job",
             );
             return;

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use protocol::v2::{Reply, Request};
+use protocol::v2::{ErrorCode, Reply, Request};
 use tokio::sync::mpsc;
 use tokio::time::Instant;
 use tokio_util::sync::CancellationToken;
@@ -21,6 +21,8 @@ use crate::link::Connector;
 /// How long a motion in flight is followed once the server is stopping. The controller's dead-man stops it when the
 /// server has gone.
 const PARTING: Duration = Duration::from_secs(3);
+/// How often a command is sent in all, where it comes too late for the controller's greeting.
+const SENDS: u32 = 3;
 
 /// An order in the queue, and how many stops had been asked for when it came.
 #[derive(Debug)]
@@ -71,9 +73,30 @@ impl<C: Connector, O: MotionObserver> CommandTask<C, O> {
             });
         });
         self.observer.dispatched(order.motion).await;
-        let end = match self.send_once(&queued).await {
-            Err(error) => Some(MotionEnd::NotSent { error }),
-            Ok(sent) => self.follow(order, sent).await,
+        let mut sends = 0;
+        let end = loop {
+            let end = match self.send_once(&queued).await {
+                Err(error) => Some(MotionEnd::NotSent { error }),
+                Ok(sent) => self.follow(order, sent).await,
+            };
+            sends += 1;
+            // The controller kept nothing of a command that came too late for its greeting, so the same number may be
+            // sent once more, if everything still speaks for it.
+            let late = matches!(
+                end,
+                Some(MotionEnd::Rejected {
+                    code: Rejection::Error(ErrorCode::Nonce),
+                    ..
+                })
+            );
+            if !late || sends == SENDS {
+                break end;
+            }
+            tracing::warn!(
+                robot.id = self.shared.plan.robot,
+                motion = %order.motion,
+                "the command came too late for its greeting, and is sent again"
+            );
         };
         self.shared.view.send_modify(|view| view.in_flight = None);
         if let Some(end) = end {
