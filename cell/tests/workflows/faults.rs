@@ -18,14 +18,24 @@ pub(crate) async fn unacknowledged(which: Which) {
     run.complete().await;
 }
 
-/// It stands on its way: it is called anew twice, then a person is asked.
-pub(crate) async fn late(which: Which) {
+/// It stands on its way once: it is called anew, and nobody is asked.
+pub(crate) async fn late_once(which: Which) {
     let late = Fault::Late { delay_s: 10_000.0 };
     let run = Run::with(which, &[late], json!({"expected_arrival_s": 20})).await;
+    run.complete().await;
+    assert!(run.has("F2").await);
+    run.assert_nobody_asked().await;
+}
+
+/// It stands on its way, whatever it is told: it is called anew twice, then a person is asked.
+pub(crate) async fn late(which: Which) {
+    let late = Fault::Late { delay_s: 10_000.0 };
+    let each = [late.clone(), late.clone(), late];
+    let run = Run::with(which, &each, json!({"expected_arrival_s": 20})).await;
     let question = run.asked("F2").await;
+    assert_eq!(run.told("TRANSPORT_ORDER").await, 3, "called, and called anew twice");
     let _job = run.until("SUSPENDED").await;
     run.nothing_moves().await;
-    run.faults_end().await;
     run.answer(&question, "redispatch").await;
     run.complete().await;
 }
@@ -101,29 +111,68 @@ pub(crate) async fn power_cycle(which: Which) {
     run.complete().await;
 }
 
-/// The gripper is jammed for the first try: it opens, goes out and tries again, and nobody is asked.
+/// The load is not there at the first try: the gripper opens, goes out and tries again, and nobody is asked.
 pub(crate) async fn grip_fails_once(which: Which) {
     let run = Run::start(which).await;
-    run.operate(Operation::JamGripper(true)).await;
+    run.until_phase("APPROACH").await;
+    takes_away(&run).await;
     run.until_has("F9").await;
-    run.operate(Operation::JamGripper(false)).await;
+    brings_back(&run).await;
     run.complete().await;
     run.assert_nobody_asked().await;
 }
 
-/// The gripper does not close at all: after the tries a person is asked.
+/// The load is not there at all: after the tries a person is asked.
 pub(crate) async fn grip_fails(which: Which) {
     let run = Run::start(which).await;
-    run.operate(Operation::JamGripper(true)).await;
+    run.until_phase("APPROACH").await;
+    takes_away(&run).await;
     let question = run.asked("F4").await;
     assert!(run.has("F9").await);
     let _job = run.until("HELD").await;
     run.nothing_moves().await;
     run.until_out_of_zone().await;
-    run.assert_at(&which.source()).await;
-    run.operate(Operation::JamGripper(false)).await;
+    brings_back(&run).await;
     run.answer(&question, "rescan").await;
     run.complete().await;
+}
+
+/// The gripper gets stuck half closed. Whether it has the load nobody can tell, so nothing goes on.
+pub(crate) async fn gripper_jams(which: Which) {
+    let run = Run::start(which).await;
+    run.until_phase("APPROACH").await;
+    run.operate(Operation::JamGripper(true)).await;
+    let _job = run.until("ABORTED").await;
+    let question = run.asked("F10").await;
+    assert_eq!(question.answers(), ["set_custody"]);
+    let custody = run.cell.custody(run.load()).await;
+    assert_eq!(custody["location"]["at"], "UNKNOWN");
+    run.until_no_permits().await;
+    run.nothing_moves().await;
+    run.assert_orderly().await;
+}
+
+/// A person takes the load, where no sensor sees it.
+async fn takes_away(run: &Run) {
+    match run.which {
+        Which::Delivery => {
+            let (slot, load) = ("left".to_owned(), Some("load-1".to_owned()));
+            run.fault(Fault::MisreportLoad { slot, load, for_s: None }).await;
+            run.fault(Fault::LoadMissing { slot: "left".to_owned() }).await;
+        }
+        Which::Pickup => run.moves_part(run.load(), PartAt::Place("rack/f".to_owned())),
+    }
+}
+
+/// And puts it where it was.
+async fn brings_back(run: &Run) {
+    match run.which {
+        Which::Delivery => {
+            run.mobile().put("left", "load-1").await.unwrap();
+            run.faults_end().await;
+        }
+        Which::Pickup => run.moves_part(run.load(), run.which.source()),
+    }
 }
 
 /// The part falls out of the gripper: the job is aborted, and only a person can say where the part is.
@@ -193,7 +242,7 @@ pub(crate) async fn heartbeats_stop(which: Which) {
     run.nothing_moves().await;
     run.faults_end().await;
     run.complete().await;
-    let asked = run.cell.get(&format!("/interventions/{}", question.0["id"].as_str().unwrap())).await;
+    let asked = run.question_now(&question).await;
     assert_eq!(asked["state"], "withdrawn", "{asked}");
 }
 
