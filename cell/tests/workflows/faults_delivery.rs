@@ -47,10 +47,15 @@ tests! {
 /// What should be in its slot is not: the arm does not move before a person looked.
 #[tokio::test(flavor = "multi_thread")]
 async fn f04_a_missing_load_is_asked_about_a() {
-    let missing = Fault::LoadMissing { slot: "left".to_owned() };
+    let missing = Fault::LoadMissing {
+        slot: "left".to_owned(),
+    };
     let run = Run::with(A, &[missing], Value::Null).await;
     let question = run.asked("F4").await;
-    assert_eq!(question.answers(), ["rescan", "accept", "send_back", "cancel"]);
+    assert_eq!(
+        question.answers(),
+        ["rescan", "accept", "send_back", "cancel"]
+    );
     let _job = run.until("HELD").await;
     run.nothing_moves().await;
     run.mobile().put("left", "load-1").await.unwrap();
@@ -61,7 +66,10 @@ async fn f04_a_missing_load_is_asked_about_a() {
 /// Something else is in its slot: it is sent back with it.
 #[tokio::test(flavor = "multi_thread")]
 async fn f04_a_wrong_load_is_sent_back_a() {
-    let wrong = Fault::LoadWrong { slot: "left".to_owned(), load: "load-9".to_owned() };
+    let wrong = Fault::LoadWrong {
+        slot: "left".to_owned(),
+        load: "load-9".to_owned(),
+    };
     let run = Run::with(A, &[wrong], Value::Null).await;
     let question = run.asked("F4").await;
     let _job = run.until("HELD").await;
@@ -82,7 +90,11 @@ async fn f18_a_blocked_target_is_replaced_by_an_answer_a() {
     let question = run.asked("F18").await;
     let _job = run.until("SUSPENDED").await;
     run.nothing_moves().await;
-    run.answer_with(&question, json!({"answer": "choose_slot", "place": "rack/f"})).await;
+    run.answer_with(
+        &question,
+        json!({"answer": "choose_slot", "place": "rack/f"}),
+    )
+    .await;
     let _job = run.until("COMPLETE").await;
     run.assert_at(&PartAt::Place("rack/f".to_owned())).await;
     run.assert_orderly().await;

@@ -47,10 +47,18 @@ tests! {
 /// The mobile robot does not see what was put on it: it stays until a person looked.
 #[tokio::test(flavor = "multi_thread")]
 async fn f04_a_load_that_is_not_seen_on_the_mobile_robot_is_asked_about_b() {
-    let blind = Fault::MisreportLoad { slot: "right".to_owned(), load: None, for_s: None };
+    let blind = Fault::MisreportLoad {
+        slot: "right".to_owned(),
+        load: None,
+        for_s: None,
+    };
     let run = Run::with(B, &[blind], Value::Null).await;
     let question = run.asked("F4").await;
-    assert!(question.answers().contains(&"repick"), "{:?}", question.answers());
+    assert!(
+        question.answers().contains(&"repick"),
+        "{:?}",
+        question.answers()
+    );
     let _job = run.until("HELD").await;
     run.nothing_moves().await;
     run.faults_end().await;
@@ -61,7 +69,11 @@ async fn f04_a_load_that_is_not_seen_on_the_mobile_robot_is_asked_about_b() {
 /// The same, and the load is taken back.
 #[tokio::test(flavor = "multi_thread")]
 async fn f04_a_load_that_is_not_seen_on_the_mobile_robot_is_taken_back_b() {
-    let blind = Fault::MisreportLoad { slot: "right".to_owned(), load: None, for_s: None };
+    let blind = Fault::MisreportLoad {
+        slot: "right".to_owned(),
+        load: None,
+        for_s: None,
+    };
     let run = Run::with(B, &[blind], Value::Null).await;
     let question = run.asked("F4").await;
     let _job = run.until("HELD").await;
@@ -74,7 +86,10 @@ async fn f04_a_load_that_is_not_seen_on_the_mobile_robot_is_taken_back_b() {
 /// Something lies in the slot, and no other is free: the arm does not go there.
 #[tokio::test(flavor = "multi_thread")]
 async fn f05_an_occupied_slot_is_asked_about_b() {
-    let extra = Fault::LoadExtra { slot: "right".to_owned(), load: "load-9".to_owned() };
+    let extra = Fault::LoadExtra {
+        slot: "right".to_owned(),
+        load: "load-9".to_owned(),
+    };
     let run = Run::with(B, &[extra], Value::Null).await;
     let question = run.asked("F5").await;
     let _job = run.until("HELD").await;
@@ -91,7 +106,10 @@ async fn f20_a_transport_that_does_not_arrive_is_asked_about_b() {
     run.until_phase("TRANSPORT").await;
     run.fault(Fault::Stuck { for_s: None }).await;
     let question = run.asked("F20").await;
-    assert_eq!(question.answers(), ["retry", "swap_mobile_robot", "mark_delivered"]);
+    assert_eq!(
+        question.answers(),
+        ["retry", "swap_mobile_robot", "mark_delivered"]
+    );
     let job = run.until("SUSPENDED").await;
     let claims = job["claims"].to_string();
     assert!(!claims.contains("handover/front"), "{claims}");

@@ -82,7 +82,10 @@ impl TestCell {
             loop {
                 match server::open_journal(&section, std::path::Path::new(""), &SystemClock).await {
                     Ok(journal) => return journal,
-                    Err(error) if format!("{error:?}").contains("lock") || format!("{error:?}").contains("use") => {
+                    Err(error)
+                        if format!("{error:?}").contains("lock")
+                            || format!("{error:?}").contains("use") =>
+                    {
                         tokio::task::yield_now().await;
                     }
                     Err(error) => panic!("{error:?}"),
@@ -102,7 +105,10 @@ impl TestCell {
             })
             .await
             .unwrap();
-        let serving = self.assembly.serve(listener, journal, stop.clone()).unwrap();
+        let serving = self
+            .assembly
+            .serve(listener, journal, stop.clone())
+            .unwrap();
         drop(runtime.spawn(serving));
         self.server = Some((runtime, stop));
         let _ready = self
@@ -130,7 +136,11 @@ impl TestCell {
         body: &Value,
     ) -> (StatusCode, Value) {
         let url = format!("http://{}{BASE}{path}", self.address);
-        let request = self.http.post(url).header("idempotency-key", key).json(body);
+        let request = self
+            .http
+            .post(url)
+            .header("idempotency-key", key)
+            .json(body);
         let answer = request.send().await.unwrap();
         let status = answer.status();
         (status, answer.json().await.unwrap_or(Value::Null))

@@ -194,7 +194,8 @@ impl Run {
                 let state = self.arm().state().await.unwrap();
                 let at = state.pose;
                 // Z counts from axis 2, 525 mm above the floor, and the flange is above the tool's tip.
-                (state.moving && at.x_mm > 700.0 && at.y_mm.abs() < 600.0 && at.z_mm < 500.0).then_some(())
+                (state.moving && at.x_mm > 700.0 && at.y_mm.abs() < 600.0 && at.z_mm < 500.0)
+                    .then_some(())
             })
             .await;
     }
@@ -239,7 +240,9 @@ impl Run {
 
     /// The question as it is now.
     pub(crate) async fn question_now(&self, question: &Question) -> Value {
-        self.cell.get(&format!("/interventions/{}", question.id())).await
+        self.cell
+            .get(&format!("/interventions/{}", question.id()))
+            .await
     }
 
     pub(crate) async fn try_answer(&self, question: &Question, mut body: Value) -> (u16, Value) {
@@ -294,7 +297,8 @@ impl Run {
         self.cell
             .wait("the arm stands out of the zone", A_JOB, async |_| {
                 let state = self.arm().state().await.unwrap();
-                (!state.moving && (state.pose.x_mm < 600.0 || state.pose.z_mm > 600.0)).then_some(())
+                (!state.moving && (state.pose.x_mm < 600.0 || state.pose.z_mm > 600.0))
+                    .then_some(())
             })
             .await;
     }
@@ -307,7 +311,9 @@ impl Run {
         self.cell
             .wait("a while", A_JOB, async |_| {
                 let ledger = self.arm().ledger_after(before).await.unwrap();
-                let begun = ledger.iter().find(|entry| entry.event == LedgerEvent::Started);
+                let begun = ledger
+                    .iter()
+                    .find(|entry| entry.event == LedgerEvent::Started);
                 assert!(begun.is_none(), "the arm began to move: {begun:?}");
                 assert_eq!(self.job().await["state"], state);
                 (std::time::Instant::now() >= until).then_some(())
@@ -380,6 +386,9 @@ impl Question {
     /// What may be answered.
     pub(crate) fn answers(&self) -> Vec<&str> {
         let allowed = self.0["allowed"].as_array().expect("answers");
-        allowed.iter().filter_map(|one| one["answer"].as_str()).collect()
+        allowed
+            .iter()
+            .filter_map(|one| one["answer"].as_str())
+            .collect()
     }
 }
