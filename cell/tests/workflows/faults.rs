@@ -68,15 +68,16 @@ pub(crate) async fn docks_the_second_time(which: Which) {
     run.assert_nobody_asked().await;
 }
 
-/// It fails again and again: it is told to try again twice, a person is asked, and as soon as it can dock a new order
-/// brings it there.
+/// It fails again and again: it is told to try again twice, then a person is asked, and takes the job back.
 pub(crate) async fn docking_fails(which: Which) {
     let run = Run::with(which, &[Fault::DockFails { times: 100 }], Value::Null).await;
     let question = run.asked("F3").await;
     assert_eq!(question.answers(), ["retry", "redispatch", "cancel"]);
     assert_eq!(run.told("RETRY").await, 2);
-    run.faults_end().await;
-    run.complete().await;
+    run.command("stop").await;
+    let _job = run.until("STOPPED").await;
+    run.assert_at(&which.source()).await;
+    run.assert_orderly().await;
 }
 
 /// A pose that cannot be reached: nothing moves, nobody is called, and the report names what is wrong.
