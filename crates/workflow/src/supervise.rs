@@ -62,12 +62,7 @@ impl Work<'_> {
             );
             return;
         }
-        let stopped = match live.seen.safety {
-            Safety::ProtectiveStop => Some(Fault::ProtectiveStop),
-            Safety::Fault => Some(Fault::ControllerAlarm),
-            Safety::Normal | Safety::Reduced | Safety::EmergencyStop | Safety::Unknown => None,
-        };
-        if let Some(fault) = stopped
+        if let Some(fault) = stopped_by(live.seen.safety)
             && live.seen.link
             && !(held && by(fault))
             && job.state != JobState::Stopping
@@ -311,6 +306,15 @@ impl Work<'_> {
         for op in doubts {
             self.emit(Fact::OpReconciling { op });
         }
+    }
+}
+
+/// The fault behind an arm that its controller has stopped, short of an emergency stop.
+const fn stopped_by(safety: Safety) -> Option<Fault> {
+    match safety {
+        Safety::ProtectiveStop => Some(Fault::ProtectiveStop),
+        Safety::Fault => Some(Fault::ControllerAlarm),
+        Safety::Normal | Safety::Reduced | Safety::EmergencyStop | Safety::Unknown => None,
     }
 }
 
