@@ -18,6 +18,7 @@ macro_rules! tests {
 tests! {
     f01_an_order_without_notice_is_sent_again_then_asked_a => faults::unacknowledged(A);
     f02_a_late_mobile_robot_is_called_anew_then_asked_a => faults::late(A);
+    f02_a_mobile_robot_that_is_late_once_is_called_anew_a => faults::late_once(A);
     f03_docking_the_second_time_needs_nobody_a => faults::docks_the_second_time(A);
     f03_docking_that_fails_is_asked_a => faults::docking_fails(A);
     f06_an_unreachable_pose_stops_before_anything_moves_a => faults::unreachable(A);
@@ -26,6 +27,7 @@ tests! {
     f09_a_grip_that_fails_is_tried_again_a => faults::grip_fails_once(A);
     f09_grips_that_fail_are_asked_a => faults::grip_fails(A);
     f10_a_lost_part_aborts_until_a_person_found_it_a => faults::part_lost(A);
+    f10_a_stuck_gripper_aborts_a => faults::gripper_jams(A);
     f11_driving_off_under_the_arm_aborts_a => faults::drives_off(A);
     f12_without_heartbeats_the_arm_goes_out_a => faults::heartbeats_stop(A);
     f13_in_manual_mode_the_arm_goes_out_a => faults::manual_mode(A);

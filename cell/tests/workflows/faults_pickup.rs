@@ -18,6 +18,7 @@ macro_rules! tests {
 tests! {
     f01_an_order_without_notice_is_sent_again_then_asked_b => faults::unacknowledged(B);
     f02_a_late_mobile_robot_is_called_anew_then_asked_b => faults::late(B);
+    f02_a_mobile_robot_that_is_late_once_is_called_anew_b => faults::late_once(B);
     f03_docking_the_second_time_needs_nobody_b => faults::docks_the_second_time(B);
     f03_docking_that_fails_is_asked_b => faults::docking_fails(B);
     f06_an_unreachable_pose_stops_before_anything_moves_b => faults::unreachable(B);
@@ -26,6 +27,7 @@ tests! {
     f09_a_grip_that_fails_is_tried_again_b => faults::grip_fails_once(B);
     f09_grips_that_fail_are_asked_b => faults::grip_fails(B);
     f10_a_lost_part_aborts_until_a_person_found_it_b => faults::part_lost(B);
+    f10_a_stuck_gripper_aborts_b => faults::gripper_jams(B);
     f11_driving_off_under_the_arm_aborts_b => faults::drives_off(B);
     f12_without_heartbeats_the_arm_goes_out_b => faults::heartbeats_stop(B);
     f13_in_manual_mode_the_arm_goes_out_b => faults::manual_mode(B);

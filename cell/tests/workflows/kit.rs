@@ -6,8 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use cell::Assembly;
-use karel_emulator::{LedgerEntry, LedgerEvent, VirtualController};
-use mobile_emulator::MobileRobot;
+use karel_emulator::{LedgerEntry, LedgerEvent};
 use reqwest::{Client, StatusCode};
 use serde_json::{Value, json};
 use server::SystemClock;
@@ -19,7 +18,7 @@ use tokio_util::sync::CancellationToken;
 /// Seconds of the cell in a second.
 pub(crate) const SCALE: f64 = 20.0;
 /// A job of two drives and a few motions takes about two minutes of the cell's time.
-pub(crate) const A_JOB: Duration = Duration::from_mins(1);
+pub(crate) const A_JOB: Duration = Duration::from_secs(60);
 pub(crate) const SETUP: &str = include_str!("../../demo.setup.toml");
 const BASE: &str = "/api/v1/cells/demo";
 
@@ -70,22 +69,6 @@ impl TestCell {
 
     /// Starts the server, in a runtime of its own: pulling its plug takes every task of it, wherever it is.
     pub(crate) async fn start_server(&mut self) {
-        self.plug_in().await;
-        let _ready = self
-            .wait("the server lives", Duration::from_secs(20), async |cell| {
-                cell.get_any("/livez").await.map(drop)
-            })
-            .await;
-    }
-
-    /// Pulls the plug and starts the server again.
-    pub(crate) async fn crash(&mut self) {
-        self.pull_the_plug();
-        self.start_server().await;
-    }
-
-    /// Starts the server and does not wait until it answers.
-    pub(crate) async fn plug_in(&mut self) {
         assert!(self.server.is_none(), "one server at a time");
         let runtime = Runtime::new().unwrap();
         let stop = CancellationToken::new();
@@ -99,8 +82,11 @@ impl TestCell {
             loop {
                 match server::open_journal(&section, std::path::Path::new(""), &SystemClock).await {
                     Ok(journal) => return journal,
-                    Err(error) if format!("{error:?}").contains("InUse") => {
-                        tokio::time::sleep(Duration::from_millis(1)).await;
+                    Err(error)
+                        if format!("{error:?}").contains("lock")
+                            || format!("{error:?}").contains("use") =>
+                    {
+                        tokio::task::yield_now().await;
                     }
                     Err(error) => panic!("{error:?}"),
                 }
@@ -113,7 +99,7 @@ impl TestCell {
                 loop {
                     match TcpListener::bind(address).await {
                         Ok(listener) => return listener,
-                        Err(_still_held) => tokio::time::sleep(Duration::from_millis(1)).await,
+                        Err(_still_held) => tokio::task::yield_now().await,
                     }
                 }
             })
@@ -125,6 +111,11 @@ impl TestCell {
             .unwrap();
         drop(runtime.spawn(serving));
         self.server = Some((runtime, stop));
+        let _ready = self
+            .wait("the server lives", Duration::from_secs(20), async |cell| {
+                cell.get_any("/livez").await.map(drop)
+            })
+            .await;
     }
 
     /// Pulls the plug: nothing of the server runs any more, nothing is written, nothing is said to anybody.
@@ -201,60 +192,16 @@ impl TestCell {
 
     /// A pickup of load-2, which is in rack/a at the beginning, to the warehouse.
     pub(crate) async fn pickup(&self) -> String {
-        let body = Self::pickup_body();
-        self.job("pickup-and-delivery", body["params"].clone())
-            .await
-    }
-
-    pub(crate) fn pickup_body() -> Value {
-        json!({
-            "workflow": "pickup-and-delivery",
-            "params": {
+        self.job(
+            "pickup-and-delivery",
+            json!({
                 "point": "handover/front",
                 "items": [{"load_id": "load-2", "type": "crate", "mr_slot": "right", "place": "rack/a"}],
                 "destination": "warehouse/gate",
                 "complete_on": "DELIVERED"
-            }
-        })
-    }
-
-    /// Sends a request and pulls the plug before its answer is there, or just when it is.
-    pub(crate) async fn lose(&mut self, path: &str, key: &str, body: &Value, after: Duration) {
-        let url = format!("http://{}{BASE}{path}", self.address);
-        let request = self
-            .http
-            .post(url)
-            .header("idempotency-key", key)
-            .json(body);
-        let _answer = tokio::time::timeout(after, request.send()).await;
-        self.pull_the_plug();
-    }
-
-    /// Waits until some time has passed: a random moment.
-    pub(crate) async fn after(&self, time: Duration) {
-        let at = Instant::now() + time;
-        self.wait("a moment", A_JOB, async |_| {
-            (Instant::now() >= at).then_some(())
-        })
-        .await;
-    }
-
-    pub(crate) fn controller(&self) -> &VirtualController {
-        self.assembly.controller("vc1").expect("vc1")
-    }
-
-    pub(crate) fn mobile_robot(&self) -> &MobileRobot {
-        let mut robots = self.assembly.plant().mobile_robots().iter();
-        robots.next().expect("mr1")
-    }
-
-    /// How many commands of the wire the arm has begun.
-    pub(crate) async fn begun(&self) -> usize {
-        let ledger = self.ledger().await;
-        let begun = ledger
-            .iter()
-            .filter(|entry| entry.event == LedgerEvent::Started);
-        begun.count()
+            }),
+        )
+        .await
     }
 
     /// Waits until a job is in one of `states`; the job then.
@@ -292,13 +239,14 @@ impl TestCell {
                     pretty(sessions)
                 );
             }
-            tokio::time::sleep(Duration::from_millis(5)).await;
+            tokio::time::sleep(Duration::from_millis(20)).await;
         }
     }
 
     /// What the arm really did.
     pub(crate) async fn ledger(&self) -> Vec<LedgerEntry> {
-        self.controller().ledger().await.unwrap()
+        let controller = self.assembly.controller("vc1").expect("vc1");
+        controller.ledger().await.unwrap()
     }
 
     /// No command of the wire began twice, and none in another order than that of its numbers.

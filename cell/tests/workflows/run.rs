@@ -234,7 +234,15 @@ impl Run {
 
     pub(crate) async fn answer_with(&self, question: &Question, body: Value) {
         let (status, said) = self.try_answer(question, body).await;
-        assert_eq!(status, 200, "{said}");
+        let now = self.question_now(question).await;
+        assert_eq!(status, 200, "{said}\n{now}");
+    }
+
+    /// The question as it is now.
+    pub(crate) async fn question_now(&self, question: &Question) -> Value {
+        self.cell
+            .get(&format!("/interventions/{}", question.id()))
+            .await
     }
 
     pub(crate) async fn try_answer(&self, question: &Question, mut body: Value) -> (u16, Value) {
@@ -260,7 +268,7 @@ impl Run {
     pub(crate) async fn has(&self, fault: &str) -> bool {
         let job = self.job().await;
         let mut noted = job["faults"].as_array().into_iter().flatten();
-        noted.any(|one| one["fault"]["code"] == fault)
+        noted.any(|one| one["code"] == fault)
     }
 
     /// Waits until a fault is noted at the job.

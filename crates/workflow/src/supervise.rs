@@ -62,15 +62,15 @@ impl Work<'_> {
             );
             return;
         }
-        if live.seen.link
-            && matches!(live.seen.safety, Safety::ProtectiveStop | Safety::Fault)
-            && !(held && by(Fault::ProtectiveStop))
+        if let Some(fault) = stopped_by(live.seen.safety)
+            && live.seen.link
+            && !(held && by(fault))
             && job.state != JobState::Stopping
         {
             self.react(
                 job,
                 Reaction {
-                    fault: Fault::ProtectiveStop,
+                    fault,
                     text: format!("{arm} is in {:?}", live.seen.safety),
                     permits: true,
                     ..Reaction::default()
@@ -79,9 +79,7 @@ impl Work<'_> {
             self.go(
                 job.id,
                 JobState::Holding,
-                Why::Fault {
-                    fault: Fault::ProtectiveStop,
-                },
+                Why::Fault { fault },
                 "a human has to reset the arm and unhold the job",
             );
             return;
@@ -308,6 +306,15 @@ impl Work<'_> {
         for op in doubts {
             self.emit(Fact::OpReconciling { op });
         }
+    }
+}
+
+/// The fault behind an arm that its controller has stopped, short of an emergency stop.
+const fn stopped_by(safety: Safety) -> Option<Fault> {
+    match safety {
+        Safety::ProtectiveStop => Some(Fault::ProtectiveStop),
+        Safety::Fault => Some(Fault::ControllerAlarm),
+        Safety::Normal | Safety::Reduced | Safety::EmergencyStop | Safety::Unknown => None,
     }
 }
 

@@ -12,7 +12,7 @@ use crate::intervention::Answer;
 use crate::job::params::Workflow;
 use crate::job::phase::Phase;
 use crate::job::plan::slot_of;
-use crate::job::{Job, JobState, StepState};
+use crate::job::{Job, JobState, StepState, Why};
 use crate::react::Reaction;
 use crate::session::SessionState;
 use crate::setup::PlaceRef;
@@ -322,10 +322,14 @@ impl Work<'_> {
             OpResult::NotExecuted { text } => self.not_executed(&job, &op, &text),
             OpResult::Interrupted { text } => {
                 // Stopped on purpose, or found so after a loss: it is planned again from where the arm is.
-                if job.state.runs()
-                    && op.state == OpState::Running
-                    && job.state != JobState::Stopping
-                {
+                let runs = job.state.runs() && job.state != JobState::Stopping;
+                // The alarm may have been seen before the end of the motion it stopped: the question is the same.
+                let alarmed = matches!(job.state, JobState::Holding | JobState::Held)
+                    && job.why
+                        == Why::Fault {
+                            fault: Fault::ControllerAlarm,
+                        };
+                if (runs || alarmed) && op.state == OpState::Running {
                     self.step_stuck(&job, op.step, Fault::ControllerAlarm, &text, None);
                 }
             }

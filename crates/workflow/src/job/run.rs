@@ -7,7 +7,7 @@ use crate::fact::Fact;
 use crate::faults::Fault;
 use crate::job::phase::{Phase, Shown};
 use crate::job::{Compensation, Job, JobState, StepState, Why};
-use crate::session::SessionState;
+use crate::session::{Session, SessionState};
 use crate::work::Work;
 
 /// The load a gripper was acting on.
@@ -149,6 +149,8 @@ impl Work<'_> {
             if session.faulted.is_some() && beats < enough {
                 return Err(format!("{beats} of {enough} heartbeats"));
             }
+            // Docked or not, a mobile robot without its order has to be called anew.
+            self.still_serves(session)?;
             return self.cell.dock_evidence(session);
         }
         if session.assigned
@@ -163,12 +165,21 @@ impl Work<'_> {
                     session.mobile_robot, seen.mode
                 ));
             }
-            if session.echoes && seen.order.is_none() {
-                return Err(format!("{} dropped its order", session.mobile_robot));
-            }
-            if seen.errors.iter().any(|e| e.fatal) {
-                return Err(format!("{} reports a fatal error", session.mobile_robot));
-            }
+            return self.still_serves(session);
+        }
+        Ok(())
+    }
+
+    /// It has its order, and no fatal error. What the supervision would fault at once is not taken up again.
+    fn still_serves(&self, session: &Session) -> Result<(), String> {
+        let Some(seen) = self.cell.mobile_seen(&session.mobile_robot) else {
+            return Err(format!("{} is not heard", session.mobile_robot));
+        };
+        if session.echoes && seen.order.is_none() {
+            return Err(format!("{} dropped its order", session.mobile_robot));
+        }
+        if seen.errors.iter().any(|e| e.fatal) {
+            return Err(format!("{} reports a fatal error", session.mobile_robot));
         }
         Ok(())
     }
