@@ -2,6 +2,7 @@
 
 use std::net::{SocketAddr, TcpListener as StdListener};
 use std::path::PathBuf;
+use std::process::Child;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
@@ -16,20 +17,45 @@ use tokio::net::TcpListener;
 use tokio::runtime::Runtime;
 use tokio_util::sync::CancellationToken;
 
+use crate::child::Program;
+
 /// Seconds of the cell in a second.
 pub(crate) const SCALE: f64 = 20.0;
 /// A job of two drives and a few motions takes about two minutes of the cell's time.
 pub(crate) const A_JOB: Duration = Duration::from_secs(60);
-const SETUP: &str = include_str!("../../demo.setup.toml");
+pub(crate) const SETUP: &str = include_str!("../../demo.setup.toml");
 const BASE: &str = "/api/v1/cells/demo";
+
+/// A server that runs.
+enum Running {
+    /// In a runtime of its own: pulling its plug takes every task of it, wherever it is.
+    Here(Runtime, CancellationToken),
+    /// In a process of its own, killed by SIGKILL.
+    Process(Child),
+}
+
+/// The cell's configuration, without its set-up.
+pub(crate) fn config() -> String {
+    format!(
+        "[server]\ndemo = true\nlisten = '127.0.0.1:0'\n\
+         [[cells]]\nid = 'demo'\n\
+         [[cells.robots]]\nid = 'r1'\nmodel = 'fanuc-m20ia'\ncontroller = 'virtual:vc1'\n\
+         tier = 'cell_server'\ntime_scale = {SCALE:.1}\n\
+         [[virtual_controllers]]\nname = 'vc1'\nmodel = 'fanuc-m20ia'\nruns = 'cell_server'\n\
+         time_scale = {SCALE:.1}\nstart_joints_deg = [90, 0, 0, 0, -90, 0]\n\
+         [[virtual_mobile_robots]]\ncell = 'demo'\nid = 'mr1'\ntime_scale = {SCALE:.1}\n"
+    )
+}
 
 /// The virtual world and the server before it.
 pub(crate) struct TestCell {
     pub(crate) assembly: Assembly,
-    server: Option<(Runtime, CancellationToken)>,
+    server: Option<Running>,
     address: SocketAddr,
     journal: PathBuf,
-    _folder: tempfile::TempDir,
+    /// The server is a process of its own.
+    program: Option<Program>,
+    folder: tempfile::TempDir,
     http: Client,
     keys: AtomicU64,
 }
@@ -40,35 +66,42 @@ impl TestCell {
     }
 
     pub(crate) async fn with_setup(setup: &str) -> Self {
-        let config = format!(
-            "[server]\ndemo = true\nlisten = '127.0.0.1:0'\n\
-             [[cells]]\nid = 'demo'\n\
-             [[cells.robots]]\nid = 'r1'\nmodel = 'fanuc-m20ia'\ncontroller = 'virtual:vc1'\n\
-             tier = 'cell_server'\ntime_scale = {SCALE:.1}\n\
-             [[virtual_controllers]]\nname = 'vc1'\nmodel = 'fanuc-m20ia'\nruns = 'cell_server'\n\
-             time_scale = {SCALE:.1}\nstart_joints_deg = [90, 0, 0, 0, -90, 0]\n\
-             [[virtual_mobile_robots]]\ncell = 'demo'\nid = 'mr1'\ntime_scale = {SCALE:.1}\n"
-        );
-        let mut assembly = Assembly::start(&config, setup).await.unwrap();
+        let mut cell = Self::dark(setup).await;
+        cell.start_server().await;
+        cell
+    }
+
+    /// The server as the real program, in a process of its own.
+    pub(crate) async fn of_processes() -> Self {
+        let mut cell = Self::dark(SETUP).await;
+        let parts_at = cell.assembly.parts_at().unwrap();
+        let program = Program::prepare(cell.folder.path(), &config(), SETUP, parts_at);
+        cell.program = Some(program);
+        cell.start_server().await;
+        cell
+    }
+
+    /// The world, without a server yet.
+    async fn dark(setup: &str) -> Self {
+        let mut assembly = Assembly::start(&config(), setup).await.unwrap();
         let folder = tempfile::tempdir().unwrap();
         let listener = StdListener::bind("127.0.0.1:0").unwrap();
         let address = listener.local_addr().unwrap();
         drop(listener);
         assembly.start_mobile_robots(address).unwrap();
-        let mut cell = Self {
+        Self {
             assembly,
             server: None,
             address,
             journal: folder.path().join("cell.journal"),
-            _folder: folder,
+            program: None,
+            folder,
             http: Client::new(),
             keys: AtomicU64::new(0),
-        };
-        cell.start_server().await;
-        cell
+        }
     }
 
-    /// Starts the server, in a runtime of its own: pulling its plug takes every task of it, wherever it is.
+    /// Starts the server, and waits until it answers.
     pub(crate) async fn start_server(&mut self) {
         self.plug_in().await;
         let _ready = self
@@ -87,6 +120,10 @@ impl TestCell {
     /// Starts the server and does not wait until it answers.
     pub(crate) async fn plug_in(&mut self) {
         assert!(self.server.is_none(), "one server at a time");
+        if let Some(program) = &self.program {
+            self.server = Some(Running::Process(program.start(self.address)));
+            return;
+        }
         let runtime = Runtime::new().unwrap();
         let stop = CancellationToken::new();
         let section = JournalSection {
@@ -121,13 +158,23 @@ impl TestCell {
             .unwrap();
         let serving = self.assembly.serve(listener, journal, stop.clone()).unwrap();
         drop(runtime.spawn(serving));
-        self.server = Some((runtime, stop));
+        self.server = Some(Running::Here(runtime, stop));
     }
 
     /// Pulls the plug: nothing of the server runs any more, nothing is written, nothing is said to anybody.
     pub(crate) fn pull_the_plug(&mut self) {
-        let (runtime, _never_cancelled) = self.server.take().expect("a server runs");
-        runtime.shutdown_background();
+        match self.server.take().expect("a server runs") {
+            Running::Here(runtime, _never_cancelled) => runtime.shutdown_background(),
+            Running::Process(mut child) => {
+                child.kill().unwrap();
+                let _killed = child.wait().unwrap();
+            }
+        }
+    }
+
+    pub(crate) async fn is_over(&self, job: &str) -> bool {
+        let job = self.get(&format!("/jobs/{job}")).await;
+        matches!(job["state"].as_str(), Some("COMPLETE" | "STOPPED"))
     }
 
     pub(crate) async fn post(&self, path: &str, body: &Value) -> (StatusCode, Value) {
@@ -301,9 +348,16 @@ impl TestCell {
 
 impl Drop for TestCell {
     fn drop(&mut self) {
-        if let Some((runtime, stop)) = self.server.take() {
-            stop.cancel();
-            runtime.shutdown_background();
+        match self.server.take() {
+            None => {}
+            Some(Running::Here(runtime, stop)) => {
+                stop.cancel();
+                runtime.shutdown_background();
+            }
+            Some(Running::Process(mut child)) => {
+                let _gone = child.kill();
+                let _gone = child.wait();
+            }
         }
     }
 }

@@ -5,10 +5,13 @@
     reason = "helpers of tests: a failure here fails the test"
 )]
 
+mod chance;
+mod child;
 mod crashes;
 mod judge;
 mod kit;
 mod operator;
+mod sigkill;
 
 use cell::world::PartAt;
 use kit::TestCell;
