@@ -120,6 +120,7 @@ async fn when(cell: &mut TestCell, what: &str, is_so: impl AsyncFn(&TestCell) ->
     cell.wait(what, A_JOB, async |cell| is_so(cell).await.then_some(()))
         .await;
     cell.crash().await;
+    cell.assert_nothing_twice().await;
 }
 
 /// Covers: F21, P7, P10, P11.
