@@ -47,11 +47,18 @@ pub(crate) async fn run(
         .with_context(|| format!("in {}", loaded.name))?;
     let listen = plan.server().listen;
     if listen.port() == 0 {
-        bail!("server.listen: a supervised server needs a port of its own, not 0: it is started again on the same one");
+        bail!(
+            "server.listen: a supervised server needs a port of its own, not 0: it is started again on the same one"
+        );
     }
     // What the demo keeps lasts as long as the demo.
     let folder = tempfile_folder()?;
-    let journal = loaded.file.journal.path.is_none().then(|| folder.path().join("cell.journal"));
+    let journal = loaded
+        .file
+        .journal
+        .path
+        .is_none()
+        .then(|| folder.path().join("cell.journal"));
     plant.start_mobile_robots(&url_of(listen))?;
     let mut is_first = true;
     loop {
@@ -116,9 +123,7 @@ fn spawn(cli: &Cli, parts_at: &str, journal: Option<&std::path::Path>) -> Result
 /// Ends the server in order, and by force if it does not.
 async fn end(mut server: Child, id: u32) {
     let told = Command::new("kill").arg(id.to_string()).status().await;
-    if told.is_ok_and(|status| status.success())
-        && timeout(PATIENCE, server.wait()).await.is_ok()
-    {
+    if told.is_ok_and(|status| status.success()) && timeout(PATIENCE, server.wait()).await.is_ok() {
         return;
     }
     tracing::warn!("the server did not end in time and is killed");

@@ -57,7 +57,10 @@ async fn f21_a_delivery_survives_a_crash_in_each_of_its_rows() {
     eprintln!("{shown:?}\n{said:#?}");
     assert_eq!(ended["state"], "COMPLETE", "{ended:#}");
     let story = cell.assert_story(&job).await;
-    assert!(story.permits_withdrawn > 0 && story.asked_after > 0, "{story:?}");
+    assert!(
+        story.permits_withdrawn > 0 && story.asked_after > 0,
+        "{story:?}"
+    );
     cell.assert_sound().await;
 }
 
@@ -74,7 +77,10 @@ async fn f21_a_pickup_survives_a_crash_in_each_of_its_rows() {
     eprintln!("{shown:?}\n{said:#?}");
     assert_eq!(ended["state"], "COMPLETE", "{ended:#}");
     let story = cell.assert_story(&job).await;
-    assert!(story.permits_withdrawn > 0 && story.asked_after > 0, "{story:?}");
+    assert!(
+        story.permits_withdrawn > 0 && story.asked_after > 0,
+        "{story:?}"
+    );
     cell.assert_sound().await;
 }
 
@@ -108,7 +114,10 @@ async fn f21_p13_crashes_at_random_moments_and_during_the_recovery_do_nothing_tw
             }
             let (ended, said) = cell.see_through(job).await;
             let story = cell.assert_story(job).await;
-            eprintln!("round {round}, {pulled} pulled: {} {story:?} {said:#?}", ended["state"]);
+            eprintln!(
+                "round {round}, {pulled} pulled: {} {story:?} {said:#?}",
+                ended["state"]
+            );
         }
         cell.assert_sound().await;
     }
@@ -169,26 +178,49 @@ async fn f21_what_only_a_person_can_know_is_asked_with_its_evidence() {
     let mut cell = TestCell::start().await;
     let job = cell.delivery("rack/d").await;
     cell.wait("the arm moves", A_JOB, async |cell| {
-        cell.controller().state().await.unwrap().moving.then_some(())
+        cell.controller()
+            .state()
+            .await
+            .unwrap()
+            .moving
+            .then_some(())
     })
     .await;
     cell.pull_the_plug();
-    cell.controller().power_cycle(CmosMemory::Kept).await.unwrap();
+    cell.controller()
+        .power_cycle(CmosMemory::Kept)
+        .await
+        .unwrap();
     let began = cell.begun().await;
     cell.start_server().await;
     let question = cell
-        .wait("a question", A_JOB, async |cell| cell.questions().await.pop())
+        .wait("a question", A_JOB, async |cell| {
+            cell.questions().await.pop()
+        })
         .await;
     eprintln!("{question:#}");
-    assert_eq!(cell.begun().await, began, "nothing moves before a person answered");
-    assert!(!question["known"].as_array().unwrap().is_empty(), "{question:#}");
+    assert_eq!(
+        cell.begun().await,
+        began,
+        "nothing moves before a person answered"
+    );
+    assert!(
+        !question["known"].as_array().unwrap().is_empty(),
+        "{question:#}"
+    );
     // Once more: the question is still there, and the same one.
     cell.crash().await;
     let again = cell
-        .wait("the question again", A_JOB, async |cell| cell.questions().await.pop())
+        .wait("the question again", A_JOB, async |cell| {
+            cell.questions().await.pop()
+        })
         .await;
     assert_eq!(again["id"], question["id"]);
-    assert_eq!(cell.begun().await, began, "nothing moves before a person answered");
+    assert_eq!(
+        cell.begun().await,
+        began,
+        "nothing moves before a person answered"
+    );
     let (ended, said) = cell.see_through(&job).await;
     eprintln!("{said:#?}");
     assert_eq!(ended["state"], "COMPLETE", "{ended:#}");

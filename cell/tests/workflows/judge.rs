@@ -9,7 +9,12 @@ use crate::kit::TestCell;
 use crate::operator::location;
 
 /// States of a session with a permit.
-const PERMITS: [&str; 4] = ["access_granted", "positioned", "transferring", "exit_granted"];
+const PERMITS: [&str; 4] = [
+    "access_granted",
+    "positioned",
+    "transferring",
+    "exit_granted",
+];
 const LOADS: [&str; 4] = ["load-1", "load-2", "load-3", "load-4"];
 
 /// What the crashes of a job met.
@@ -28,7 +33,10 @@ impl TestCell {
         self.assert_no_violation().await;
         for load in LOADS {
             // A mobile robot says a moment later what was put onto it.
-            let what = format!("custody of {load} is where it truly is, {:?}", self.truly_at(load));
+            let what = format!(
+                "custody of {load} is where it truly is, {:?}",
+                self.truly_at(load)
+            );
             self.wait(&what, Duration::from_secs(5), async |cell| {
                 let said = cell.custody(load).await["location"].clone();
                 let is = location(&cell.truly_at(load));
@@ -75,7 +83,9 @@ impl TestCell {
     async fn story(&self, job: &str) -> Vec<Value> {
         let (mut all, mut cursor) = (Vec::new(), String::new());
         loop {
-            let page = self.get(&format!("/jobs/{job}/events?limit=200{cursor}")).await;
+            let page = self
+                .get(&format!("/jobs/{job}/events?limit=200{cursor}"))
+                .await;
             all.extend(page["events"].as_array().cloned().unwrap_or_default());
             match page["next_cursor"].as_str() {
                 Some(next) => cursor = format!("&cursor={next}"),
@@ -99,5 +109,6 @@ impl TestCell {
 /// The record of the journal that an event stands in.
 fn record(event: &Value) -> &str {
     let id = event["id"].as_str().unwrap();
-    id.split_once(['.', '-', ':']).map_or(id, |(record, _)| record)
+    id.split_once(['.', '-', ':'])
+        .map_or(id, |(record, _)| record)
 }

@@ -156,7 +156,10 @@ impl TestCell {
             })
             .await
             .unwrap();
-        let serving = self.assembly.serve(listener, journal, stop.clone()).unwrap();
+        let serving = self
+            .assembly
+            .serve(listener, journal, stop.clone())
+            .unwrap();
         drop(runtime.spawn(serving));
         self.server = Some(Running::Here(runtime, stop));
     }
@@ -189,7 +192,11 @@ impl TestCell {
         body: &Value,
     ) -> (StatusCode, Value) {
         let url = format!("http://{}{BASE}{path}", self.address);
-        let request = self.http.post(url).header("idempotency-key", key).json(body);
+        let request = self
+            .http
+            .post(url)
+            .header("idempotency-key", key)
+            .json(body);
         let answer = request.send().await.unwrap();
         let status = answer.status();
         (status, answer.json().await.unwrap_or(Value::Null))
@@ -230,7 +237,8 @@ impl TestCell {
     /// A pickup of load-2, which is in rack/a at the beginning, to the warehouse.
     pub(crate) async fn pickup(&self) -> String {
         let body = Self::pickup_body();
-        self.job("pickup-and-delivery", body["params"].clone()).await
+        self.job("pickup-and-delivery", body["params"].clone())
+            .await
     }
 
     pub(crate) fn pickup_body() -> Value {
@@ -248,7 +256,11 @@ impl TestCell {
     /// Sends a request and pulls the plug before its answer is there, or just when it is.
     pub(crate) async fn lose(&mut self, path: &str, key: &str, body: &Value, after: Duration) {
         let url = format!("http://{}{BASE}{path}", self.address);
-        let request = self.http.post(url).header("idempotency-key", key).json(body);
+        let request = self
+            .http
+            .post(url)
+            .header("idempotency-key", key)
+            .json(body);
         let _answer = tokio::time::timeout(after, request.send()).await;
         self.pull_the_plug();
     }
@@ -256,8 +268,10 @@ impl TestCell {
     /// Waits until some time has passed: a random moment.
     pub(crate) async fn after(&self, time: Duration) {
         let at = Instant::now() + time;
-        self.wait("a moment", A_JOB, async |_| (Instant::now() >= at).then_some(()))
-            .await;
+        self.wait("a moment", A_JOB, async |_| {
+            (Instant::now() >= at).then_some(())
+        })
+        .await;
     }
 
     pub(crate) fn controller(&self) -> &VirtualController {
@@ -272,7 +286,9 @@ impl TestCell {
     /// How many commands of the wire the arm has begun.
     pub(crate) async fn begun(&self) -> usize {
         let ledger = self.ledger().await;
-        let begun = ledger.iter().filter(|entry| entry.event == LedgerEvent::Started);
+        let begun = ledger
+            .iter()
+            .filter(|entry| entry.event == LedgerEvent::Started);
         begun.count()
     }
 
