@@ -4,7 +4,8 @@
 //! still there, and go on doing what they were told. The server is started again and finds out what became of
 //! everything.
 
-use std::process::Stdio;
+use std::os::unix::process::ExitStatusExt as _;
+use std::process::{ExitStatus, Stdio};
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, bail};
@@ -19,8 +20,10 @@ use crate::plant::Prepared;
 use crate::start::url_of;
 use crate::{Cli, banner, virtual_controllers};
 
-/// A server that ends sooner than this after its start was not killed: it cannot start.
+/// A server that ends by itself sooner than this after its start cannot start.
 const TOO_SOON: Duration = Duration::from_secs(1);
+/// `kill -9`, on every Unix.
+const SIGKILL: i32 = 9;
 /// Between the death of a server and its next start.
 const PAUSE: Duration = Duration::from_millis(500);
 /// How long a server that is told to stop may take.
@@ -74,7 +77,7 @@ pub(crate) async fn run(
         tokio::select! {
             ended = server.wait() => {
                 let status = ended.context("waiting for the server")?;
-                if started.elapsed() < TOO_SOON {
+                if started.elapsed() < TOO_SOON && !was_killed(status) {
                     bail!("the server ended right after its start ({status}); its own words are above");
                 }
                 tracing::warn!(%status, "the server is gone; the arms, the mobile robots and the loads are not. Starting it again");
@@ -88,6 +91,11 @@ pub(crate) async fn run(
     }
     plant.shutdown().await;
     Ok(())
+}
+
+/// Somebody else ended it, a person or the system for want of memory: that says nothing about whether it can start.
+fn was_killed(status: ExitStatus) -> bool {
+    status.signal() == Some(SIGKILL)
 }
 
 fn spawn(cli: &Cli, parts_at: &str, journal: Option<&std::path::Path>) -> Result<Child> {
@@ -129,4 +137,19 @@ fn tempfile_folder() -> Result<tempfile::TempDir> {
         .prefix("robocell-demo-")
         .tempdir()
         .context("making a folder for the demo's journal")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_server_that_was_killed_right_after_its_start_is_started_again() {
+        assert!(was_killed(ExitStatus::from_raw(SIGKILL)));
+        let exit_2 = ExitStatus::from_raw(2 << 8);
+        assert_eq!(exit_2.code(), Some(2));
+        assert!(!was_killed(exit_2));
+        let aborted = ExitStatus::from_raw(6);
+        assert!(!was_killed(aborted));
+    }
 }

@@ -2,8 +2,9 @@
 
 /// How many plugs are pulled: `ROBOCELL_KILLS`, or a number that takes no time.
 pub(crate) fn kills(few: usize) -> usize {
-    std::env::var("ROBOCELL_KILLS")
-        .map_or(few, |text| text.parse().expect("ROBOCELL_KILLS is a number"))
+    std::env::var("ROBOCELL_KILLS").map_or(few, |text| {
+        text.parse().expect("ROBOCELL_KILLS is a number")
+    })
 }
 
 /// A small generator of random numbers (SplitMix64): the same seed, the same moments.

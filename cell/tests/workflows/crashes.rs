@@ -9,7 +9,8 @@ use karel_emulator::CmosMemory;
 use karel_emulator::gripper::GripperPosition;
 use serde_json::{Value, json};
 
-use crate::kit::{A_JOB, TestCell};
+use crate::chance::{Chance, kills};
+use crate::kit::{A_JOB, SETUP, TestCell};
 
 /// Rows of workflow A as a job shows them.
 const A: [&str; 15] = [
@@ -19,29 +20,6 @@ const A: [&str; 15] = [
 const B: [&str; 13] = [
     "B1", "B2", "B3", "B5", "B6", "B7", "B8", "B9", "B10", "B11", "B12", "B13-B14", "B15",
 ];
-
-/// How many plugs the random test pulls.
-fn kills() -> usize {
-    std::env::var("ROBOCELL_KILLS")
-        .map_or(40, |text| text.parse().expect("ROBOCELL_KILLS is a number"))
-}
-
-/// A small generator of random numbers: the same seed, the same moments.
-struct Chance(u64);
-
-impl Chance {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, limit: u64) -> u64 {
-        self.next() % limit
-    }
-}
 
 /// Whether a job is at a row, or past it.
 fn is_at(job: &Value, code: &str) -> bool {
@@ -78,25 +56,38 @@ async fn f21_a_delivery_survives_a_crash_in_each_of_its_rows() {
     let (ended, said) = cell.see_through(&job).await;
     eprintln!("{shown:?}\n{said:#?}");
     assert_eq!(ended["state"], "COMPLETE", "{ended:#}");
+    let story = cell.assert_story(&job).await;
+    assert!(
+        story.permits_withdrawn > 0 && story.asked_after > 0,
+        "{story:?}"
+    );
     cell.assert_sound().await;
 }
 
 /// Covers: F21, P3, P4, P6, P11.
 #[tokio::test(flavor = "multi_thread")]
 async fn f21_a_pickup_survives_a_crash_in_each_of_its_rows() {
-    let mut cell = TestCell::start().await;
+    // A mobile robot gives away all it has at a destination, so here it comes empty.
+    let on = "on = { mobile_robot = \"mr1\", slot = \"left\" }";
+    assert!(SETUP.contains(on), "load-1 is on mr1");
+    let mut cell = TestCell::with_setup(&SETUP.replace(on, "place = \"rack/d\"")).await;
     let job = cell.pickup().await;
     let shown = at_every_row(&mut cell, &job, &B).await;
     let (ended, said) = cell.see_through(&job).await;
     eprintln!("{shown:?}\n{said:#?}");
     assert_eq!(ended["state"], "COMPLETE", "{ended:#}");
+    let story = cell.assert_story(&job).await;
+    assert!(
+        story.permits_withdrawn > 0 && story.asked_after > 0,
+        "{story:?}"
+    );
     cell.assert_sound().await;
 }
 
 /// Covers: F21, P6, P7, P8, P10, P13.
 #[tokio::test(flavor = "multi_thread")]
 async fn f21_p13_crashes_at_random_moments_and_during_the_recovery_do_nothing_twice() {
-    let (mut pulled, mut round, kills) = (0, 0, kills());
+    let (mut pulled, mut round, kills) = (0, 0, kills(40));
     while pulled < kills {
         round += 1;
         let mut chance = Chance(round);
@@ -116,16 +107,15 @@ async fn f21_p13_crashes_at_random_moments_and_during_the_recovery_do_nothing_tw
                 }
                 cell.start_server().await;
                 cell.assert_nothing_twice().await;
-                let path = format!("/jobs/{job}");
-                let state = cell.get(&path).await["state"].clone();
-                if matches!(state.as_str(), Some("COMPLETE" | "STOPPED")) {
+                if cell.is_over(job).await {
                     break;
                 }
                 let _said = cell.answer_everything().await;
             }
             let (ended, said) = cell.see_through(job).await;
+            let story = cell.assert_story(job).await;
             eprintln!(
-                "round {round}, {pulled} pulled: {} {said:#?}",
+                "round {round}, {pulled} pulled: {} {story:?} {said:#?}",
                 ended["state"]
             );
         }
@@ -139,6 +129,7 @@ async fn when(cell: &mut TestCell, what: &str, is_so: impl AsyncFn(&TestCell) ->
     cell.wait(what, A_JOB, async |cell| is_so(cell).await.then_some(()))
         .await;
     cell.crash().await;
+    cell.assert_nothing_twice().await;
 }
 
 /// Covers: F21, P7, P10, P11.

@@ -2,11 +2,13 @@
 
 use std::net::{SocketAddr, TcpListener as StdListener};
 use std::path::PathBuf;
+use std::process::Child;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use cell::Assembly;
-use karel_emulator::{LedgerEntry, LedgerEvent};
+use karel_emulator::{LedgerEntry, LedgerEvent, VirtualController};
+use mobile_emulator::MobileRobot;
 use reqwest::{Client, StatusCode};
 use serde_json::{Value, json};
 use server::SystemClock;
@@ -15,6 +17,8 @@ use tokio::net::TcpListener;
 use tokio::runtime::Runtime;
 use tokio_util::sync::CancellationToken;
 
+use crate::child::Program;
+
 /// Seconds of the cell in a second.
 pub(crate) const SCALE: f64 = 20.0;
 /// A job of two drives and a few motions takes about two minutes of the cell's time.
@@ -22,13 +26,36 @@ pub(crate) const A_JOB: Duration = Duration::from_secs(60);
 pub(crate) const SETUP: &str = include_str!("../../demo.setup.toml");
 const BASE: &str = "/api/v1/cells/demo";
 
+/// A server that runs.
+enum Running {
+    /// In a runtime of its own: pulling its plug takes every task of it, wherever it is.
+    Here(Runtime, CancellationToken),
+    /// In a process of its own, killed by SIGKILL.
+    Process(Child),
+}
+
+/// The cell's configuration, without its set-up.
+pub(crate) fn config() -> String {
+    format!(
+        "[server]\ndemo = true\nlisten = '127.0.0.1:0'\n\
+         [[cells]]\nid = 'demo'\n\
+         [[cells.robots]]\nid = 'r1'\nmodel = 'fanuc-m20ia'\ncontroller = 'virtual:vc1'\n\
+         tier = 'cell_server'\ntime_scale = {SCALE:.1}\n\
+         [[virtual_controllers]]\nname = 'vc1'\nmodel = 'fanuc-m20ia'\nruns = 'cell_server'\n\
+         time_scale = {SCALE:.1}\nstart_joints_deg = [90, 0, 0, 0, -90, 0]\n\
+         [[virtual_mobile_robots]]\ncell = 'demo'\nid = 'mr1'\ntime_scale = {SCALE:.1}\n"
+    )
+}
+
 /// The virtual world and the server before it.
 pub(crate) struct TestCell {
     pub(crate) assembly: Assembly,
-    server: Option<(Runtime, CancellationToken)>,
+    server: Option<Running>,
     address: SocketAddr,
     journal: PathBuf,
-    _folder: tempfile::TempDir,
+    /// The server is a process of its own.
+    program: Option<Program>,
+    folder: tempfile::TempDir,
     http: Client,
     keys: AtomicU64,
 }
@@ -39,37 +66,64 @@ impl TestCell {
     }
 
     pub(crate) async fn with_setup(setup: &str) -> Self {
-        let config = format!(
-            "[server]\ndemo = true\nlisten = '127.0.0.1:0'\n\
-             [[cells]]\nid = 'demo'\n\
-             [[cells.robots]]\nid = 'r1'\nmodel = 'fanuc-m20ia'\ncontroller = 'virtual:vc1'\n\
-             tier = 'cell_server'\ntime_scale = {SCALE:.1}\n\
-             [[virtual_controllers]]\nname = 'vc1'\nmodel = 'fanuc-m20ia'\nruns = 'cell_server'\n\
-             time_scale = {SCALE:.1}\nstart_joints_deg = [90, 0, 0, 0, -90, 0]\n\
-             [[virtual_mobile_robots]]\ncell = 'demo'\nid = 'mr1'\ntime_scale = {SCALE:.1}\n"
-        );
-        let mut assembly = Assembly::start(&config, setup).await.unwrap();
+        let mut cell = Self::dark(setup).await;
+        cell.start_server().await;
+        cell
+    }
+
+    /// The server as the real program, in a process of its own.
+    pub(crate) async fn of_processes() -> Self {
+        let mut cell = Self::dark(SETUP).await;
+        let parts_at = cell.assembly.parts_at().unwrap();
+        let program = Program::prepare(cell.folder.path(), &config(), SETUP, parts_at);
+        cell.program = Some(program);
+        cell.start_server().await;
+        cell
+    }
+
+    /// The world, without a server yet.
+    async fn dark(setup: &str) -> Self {
+        let mut assembly = Assembly::start(&config(), setup).await.unwrap();
         let folder = tempfile::tempdir().unwrap();
         let listener = StdListener::bind("127.0.0.1:0").unwrap();
         let address = listener.local_addr().unwrap();
         drop(listener);
         assembly.start_mobile_robots(address).unwrap();
-        let mut cell = Self {
+        Self {
             assembly,
             server: None,
             address,
             journal: folder.path().join("cell.journal"),
-            _folder: folder,
+            program: None,
+            folder,
             http: Client::new(),
             keys: AtomicU64::new(0),
-        };
-        cell.start_server().await;
-        cell
+        }
     }
 
-    /// Starts the server, in a runtime of its own: pulling its plug takes every task of it, wherever it is.
+    /// Starts the server, and waits until it answers.
     pub(crate) async fn start_server(&mut self) {
+        self.plug_in().await;
+        let _ready = self
+            .wait("the server lives", Duration::from_secs(20), async |cell| {
+                cell.get_any("/livez").await.map(drop)
+            })
+            .await;
+    }
+
+    /// Pulls the plug and starts the server again.
+    pub(crate) async fn crash(&mut self) {
+        self.pull_the_plug();
+        self.start_server().await;
+    }
+
+    /// Starts the server and does not wait until it answers.
+    pub(crate) async fn plug_in(&mut self) {
         assert!(self.server.is_none(), "one server at a time");
+        if let Some(program) = &self.program {
+            self.server = Some(Running::Process(program.start(self.address)));
+            return;
+        }
         let runtime = Runtime::new().unwrap();
         let stop = CancellationToken::new();
         let section = JournalSection {
@@ -82,11 +136,8 @@ impl TestCell {
             loop {
                 match server::open_journal(&section, std::path::Path::new(""), &SystemClock).await {
                     Ok(journal) => return journal,
-                    Err(error)
-                        if format!("{error:?}").contains("lock")
-                            || format!("{error:?}").contains("use") =>
-                    {
-                        tokio::task::yield_now().await;
+                    Err(error) if format!("{error:?}").contains("InUse") => {
+                        tokio::time::sleep(Duration::from_millis(1)).await;
                     }
                     Err(error) => panic!("{error:?}"),
                 }
@@ -99,7 +150,7 @@ impl TestCell {
                 loop {
                     match TcpListener::bind(address).await {
                         Ok(listener) => return listener,
-                        Err(_still_held) => tokio::task::yield_now().await,
+                        Err(_still_held) => tokio::time::sleep(Duration::from_millis(1)).await,
                     }
                 }
             })
@@ -110,18 +161,23 @@ impl TestCell {
             .serve(listener, journal, stop.clone())
             .unwrap();
         drop(runtime.spawn(serving));
-        self.server = Some((runtime, stop));
-        let _ready = self
-            .wait("the server lives", Duration::from_secs(20), async |cell| {
-                cell.get_any("/livez").await.map(drop)
-            })
-            .await;
+        self.server = Some(Running::Here(runtime, stop));
     }
 
     /// Pulls the plug: nothing of the server runs any more, nothing is written, nothing is said to anybody.
     pub(crate) fn pull_the_plug(&mut self) {
-        let (runtime, _never_cancelled) = self.server.take().expect("a server runs");
-        runtime.shutdown_background();
+        match self.server.take().expect("a server runs") {
+            Running::Here(runtime, _never_cancelled) => runtime.shutdown_background(),
+            Running::Process(mut child) => {
+                child.kill().unwrap();
+                let _killed = child.wait().unwrap();
+            }
+        }
+    }
+
+    pub(crate) async fn is_over(&self, job: &str) -> bool {
+        let job = self.get(&format!("/jobs/{job}")).await;
+        matches!(job["state"].as_str(), Some("COMPLETE" | "STOPPED"))
     }
 
     pub(crate) async fn post(&self, path: &str, body: &Value) -> (StatusCode, Value) {
@@ -192,16 +248,60 @@ impl TestCell {
 
     /// A pickup of load-2, which is in rack/a at the beginning, to the warehouse.
     pub(crate) async fn pickup(&self) -> String {
-        self.job(
-            "pickup-and-delivery",
-            json!({
+        let body = Self::pickup_body();
+        self.job("pickup-and-delivery", body["params"].clone())
+            .await
+    }
+
+    pub(crate) fn pickup_body() -> Value {
+        json!({
+            "workflow": "pickup-and-delivery",
+            "params": {
                 "point": "handover/front",
                 "items": [{"load_id": "load-2", "type": "crate", "mr_slot": "right", "place": "rack/a"}],
                 "destination": "warehouse/gate",
                 "complete_on": "DELIVERED"
-            }),
-        )
-        .await
+            }
+        })
+    }
+
+    /// Sends a request and pulls the plug before its answer is there, or just when it is.
+    pub(crate) async fn lose(&mut self, path: &str, key: &str, body: &Value, after: Duration) {
+        let url = format!("http://{}{BASE}{path}", self.address);
+        let request = self
+            .http
+            .post(url)
+            .header("idempotency-key", key)
+            .json(body);
+        let _answer = tokio::time::timeout(after, request.send()).await;
+        self.pull_the_plug();
+    }
+
+    /// Waits until some time has passed: a random moment.
+    pub(crate) async fn after(&self, time: Duration) {
+        let at = Instant::now() + time;
+        self.wait("a moment", A_JOB, async |_| {
+            (Instant::now() >= at).then_some(())
+        })
+        .await;
+    }
+
+    pub(crate) fn controller(&self) -> &VirtualController {
+        self.assembly.controller("vc1").expect("vc1")
+    }
+
+    pub(crate) fn mobile_robot(&self) -> &MobileRobot {
+        let mut robots = self.assembly.plant().mobile_robots().iter();
+        robots.next().expect("mr1")
+    }
+
+    /// How many commands of the wire the arm has begun.
+    pub(crate) async fn begun(&self) -> usize {
+        let ledger = self.ledger().await;
+        let begun = ledger
+            .iter()
+            .filter(|entry| entry.event == LedgerEvent::Started);
+        begun.count()
     }
 
     /// Waits until a job is in one of `states`; the job then.
@@ -239,14 +339,13 @@ impl TestCell {
                     pretty(sessions)
                 );
             }
-            tokio::time::sleep(Duration::from_millis(20)).await;
+            tokio::time::sleep(Duration::from_millis(5)).await;
         }
     }
 
     /// What the arm really did.
     pub(crate) async fn ledger(&self) -> Vec<LedgerEntry> {
-        let controller = self.assembly.controller("vc1").expect("vc1");
-        controller.ledger().await.unwrap()
+        self.controller().ledger().await.unwrap()
     }
 
     /// No command of the wire began twice, and none in another order than that of its numbers.
@@ -277,9 +376,16 @@ impl TestCell {
 
 impl Drop for TestCell {
     fn drop(&mut self) {
-        if let Some((runtime, stop)) = self.server.take() {
-            stop.cancel();
-            runtime.shutdown_background();
+        match self.server.take() {
+            None => {}
+            Some(Running::Here(runtime, stop)) => {
+                stop.cancel();
+                runtime.shutdown_background();
+            }
+            Some(Running::Process(mut child)) => {
+                let _gone = child.kill();
+                let _gone = child.wait();
+            }
         }
     }
 }

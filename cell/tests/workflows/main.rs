@@ -6,6 +6,8 @@
     reason = "helpers of tests: a failure here fails the test"
 )]
 
+mod chance;
+mod child;
 mod crashes;
 mod faults;
 mod faults_delivery;
@@ -14,6 +16,7 @@ mod judge;
 mod kit;
 mod operator;
 mod run;
+mod sigkill;
 
 use cell::world::PartAt;
 use kit::TestCell;

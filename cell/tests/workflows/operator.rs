@@ -1,5 +1,7 @@
 //! A person in the cell: looks where things truly are, and answers what only a person can.
 
+use std::time::{Duration, Instant};
+
 use cell::world::PartAt;
 use karel_emulator::gripper::GripperPosition;
 use serde_json::{Value, json};
@@ -31,10 +33,14 @@ impl TestCell {
                 status.is_success() || gone,
                 "{status} {answer}\nto {body}\nof {question}"
             );
+            if gone {
+                // Refused for now, e.g. until a mobile robot is heard again: a person looks again a moment later.
+                continue;
+            }
             said.push(Said {
                 fault: question["fault"]["code"].to_string(),
                 question: question["question"].to_string(),
-                answer: format!("{} ({status})", body["answer"]),
+                answer: body["answer"].to_string(),
             });
         }
         said
@@ -105,7 +111,13 @@ impl TestCell {
     /// Plays the person until a job is over; the job then, and what was said.
     pub(crate) async fn see_through(&self, job: &str) -> (Value, Vec<Said>) {
         let mut all = Vec::new();
+        let until = Instant::now() + crate::kit::A_JOB;
         loop {
+            assert!(
+                Instant::now() < until,
+                "{job} does not end: {:#?}\n{all:#?}",
+                self.questions().await
+            );
             let path = format!("/jobs/{job}");
             let now = self
                 .wait(
@@ -121,6 +133,9 @@ impl TestCell {
                 .await;
             let said = self.answer_everything().await;
             let asked = !said.is_empty();
+            if !asked {
+                self.after(Duration::from_millis(20)).await;
+            }
             all.extend(said);
             match now["state"].as_str() {
                 Some("COMPLETE" | "STOPPED") => return (now, all),

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 
 use crate::chance::{Chance, kills};
+use crate::child::Program;
 use crate::kit::TestCell;
 
 /// Covers: F21, P5, P6, P7, P13.
@@ -38,7 +39,11 @@ async fn f21_p13_a_killed_process_does_nothing_twice() {
                 let _said = cell.answer_everything().await;
             }
             let (ended, said) = cell.see_through(job).await;
-            eprintln!("round {round}, {killed} killed: {} {said:#?}", ended["state"]);
+            let story = cell.assert_story(job).await;
+            eprintln!(
+                "round {round}, {killed} killed: {} {story:?} {said:#?}",
+                ended["state"]
+            );
         }
         cell.assert_sound().await;
     }
@@ -51,17 +56,24 @@ async fn f21_p13_a_killed_process_does_nothing_twice() {
 #[tokio::test(flavor = "multi_thread")]
 async fn f21_the_supervisor_starts_a_killed_server_again_and_the_job_ends() {
     let folder = tempfile::tempdir().unwrap();
-    let listen = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    let listen = TcpListener::bind("127.0.0.1:0")
+        .unwrap()
+        .local_addr()
+        .unwrap();
     let config = crate::kit::config();
-    let config = config.replace("[[cells]]\nid = 'demo'\n", "[[cells]]\nid = 'demo'\nsetup = 'setup.toml'\n");
-    let journal = "[journal]\npath = 'cell.journal'\nallow_volatile_filesystem = true\n";
-    let at = folder.path().join("robocell.toml");
-    std::fs::write(&at, format!("{config}{journal}")).unwrap();
-    std::fs::write(folder.path().join("setup.toml"), crate::kit::SETUP).unwrap();
+    let setup = crate::kit::SETUP;
+    let program = Program::prepare(folder.path(), &config, setup, String::new());
     let supervisor = Command::new(env!("CARGO_BIN_EXE_robocell"))
         .arg("--config")
-        .arg(&at)
-        .args(["--listen", &listen.to_string(), "--demo", "--supervised", "--log", "error"])
+        .arg(&program.config)
+        .args([
+            "--listen",
+            &listen.to_string(),
+            "--demo",
+            "--supervised",
+            "--log",
+            "error",
+        ])
         .stdin(Stdio::null())
         .stdout(Stdio::null())
         .spawn()
@@ -82,17 +94,34 @@ async fn f21_the_supervisor_starts_a_killed_server_again_and_the_job_ends() {
             {
                 return seen.clone();
             }
-            assert!(Instant::now() < until, "timed out waiting for {what}: {seen:#?}");
+            assert!(
+                Instant::now() < until,
+                "timed out waiting for {what}: {seen:#?}"
+            );
             tokio::time::sleep(Duration::from_millis(20)).await;
         }
     };
-    let _lives = wait("the arm's link", &|state| state["arms"][0]["link"] == "CONNECTED" || state["arms"].is_array(), "/state").await;
+    let _lives = wait(
+        "the arm's link",
+        &|state| state["arms"].is_array(),
+        "/state",
+    )
+    .await;
     let body = json!({"workflow": "delivery-and-placement", "params": {
         "point": "handover/front",
         "items": [{"load_id": "load-1", "type": "crate", "mr_slot": "left", "place": "rack/d"}]
     }});
-    let request = http.post(format!("{base}/jobs")).header("idempotency-key", "one");
-    let job: Value = request.json(&body).send().await.unwrap().json().await.unwrap();
+    let request = http
+        .post(format!("{base}/jobs"))
+        .header("idempotency-key", "one");
+    let job: Value = request
+        .json(&body)
+        .send()
+        .await
+        .unwrap()
+        .json()
+        .await
+        .unwrap();
     let path = format!("/jobs/{}", job["id"].as_str().unwrap());
     let _at_work = wait("the arm works", &|job| job["code"] == "A8", &path).await;
     kill_child_of(supervisor.0.id());
@@ -118,7 +147,10 @@ fn kill_child_of(parent: u32) {
             tasks.push_str(&std::fs::read_to_string(at).unwrap_or_default());
         }
     }
-    let child = tasks.split_whitespace().next().expect("the server's process");
+    let child = tasks
+        .split_whitespace()
+        .next()
+        .expect("the server's process");
     let killed = Command::new("kill").args(["-9", child]).status().unwrap();
     assert!(killed.success());
 }

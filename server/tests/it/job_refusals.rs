@@ -18,7 +18,10 @@ fn changed(pointer: &str, value: Value) -> Value {
 }
 
 /// Covers: H1, H2, W2. Every parameter out of its range, or not of this cell.
-#[expect(clippy::too_many_lines, reason = "one row for each item that can be wrong")]
+#[expect(
+    clippy::too_many_lines,
+    reason = "one row for each item that can be wrong"
+)]
 #[tokio::test]
 async fn a_job_that_does_not_fit_is_refused_by_item() {
     let cell = WorkCell::start().await;

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use protocol::v2::{Reply, Request};
+use protocol::v2::{ErrorCode, Reply, Request};
 use tokio::sync::mpsc;
 use tokio::time::Instant;
 use tokio_util::sync::CancellationToken;
@@ -75,6 +75,7 @@ impl<C: Connector, O: MotionObserver> CommandTask<C, O> {
             Err(error) => Some(MotionEnd::NotSent { error }),
             Ok(sent) => self.follow(order, sent).await,
         };
+        let end = end.map(|end| self.unless_late(&queued, end));
         self.shared.view.send_modify(|view| view.in_flight = None);
         if let Some(end) = end {
             self.end(order, end).await;
@@ -84,6 +85,20 @@ impl<C: Connector, O: MotionObserver> CommandTask<C, O> {
                 motion = %order.motion,
                 "the server stops while the motion is in flight"
             );
+        }
+    }
+
+    /// A nonce dies of age, or of a stop. Where nobody stopped, it says nothing about the motion, which may be sent
+    /// again under a new number.
+    fn unless_late(&self, queued: &Queued, end: MotionEnd) -> MotionEnd {
+        match end {
+            MotionEnd::Rejected {
+                code: Rejection::Error(ErrorCode::Nonce),
+                ..
+            } if *self.shared.stops.borrow() == queued.stops => MotionEnd::NotSent {
+                error: LinkError::GreetingTooOld,
+            },
+            other => other,
         }
     }
 

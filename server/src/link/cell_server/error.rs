@@ -17,6 +17,9 @@ pub(crate) enum LinkError {
     Stopping,
     #[error("a stop was asked for before it was sent")]
     StoppedBeforeSent,
+    /// Its nonce had run out when the controller read it: the network or the server was slow. Nothing was stored.
+    #[error("it came too late after the controller's greeting, and the controller did not take it")]
+    GreetingTooOld,
     #[error("it was taken back before its turn came")]
     TakenBack,
     #[error("it was numbered in epoch {order}, and the link is in epoch {}", shown(.current.as_ref()))]
@@ -146,6 +149,7 @@ impl LinkError {
     pub(crate) fn metric_label(&self) -> &'static str {
         match self {
             Self::DeadlinePassed => "deadline_passed",
+            Self::GreetingTooOld => "greeting_too_old",
             Self::Connect { .. }
             | Self::ConnectTimeout { .. }
             | Self::NoGreeting { .. }
@@ -179,6 +183,7 @@ impl LinkError {
     pub(crate) fn outcome(&self) -> Outcome {
         match self {
             Self::DeadlinePassed
+            | Self::GreetingTooOld
             | Self::Stopping
             | Self::StoppedBeforeSent
             | Self::TakenBack
@@ -211,7 +216,7 @@ impl LinkError {
 
     pub(crate) fn code(&self) -> ProblemCode {
         match self {
-            Self::DeadlinePassed => ProblemCode::DeadlinePassed,
+            Self::DeadlinePassed | Self::GreetingTooOld => ProblemCode::DeadlinePassed,
             Self::Stopping => ProblemCode::ShuttingDown,
             Self::StoppedBeforeSent => ProblemCode::StoppedBeforeSent,
             Self::TakenBack => ProblemCode::MotionCanceled,

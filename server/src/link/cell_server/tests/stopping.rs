@@ -93,6 +93,24 @@ async fn a_stop_between_the_sending_and_the_reading_kills_the_nonce() {
 }
 
 #[tokio::test(start_paused = true)]
+async fn a_nonce_that_ran_out_without_a_stop_says_nothing_about_the_motion() {
+    let cell = Harness::start().await;
+    cell.fake.then(Fault::LateRead(Duration::from_millis(600)));
+    let (motion, _) = cell.submit(to(100.0));
+    let end = cell.end(motion).await;
+    assert!(
+        matches!(
+            &*end,
+            MotionEnd::NotSent {
+                error: LinkError::GreetingTooOld
+            }
+        ),
+        "{end:?}"
+    );
+    cell.judge();
+}
+
+#[tokio::test(start_paused = true)]
 async fn a_stop_right_after_the_acceptance_ends_the_motion() {
     let cell = Harness::start().await;
     let (motion, _) = cell.submit(to(100.0));
