@@ -12,7 +12,7 @@ use crate::{ControlView, JobState, LinkState, OperationalMode, PointPermits};
 pub struct CellState {
     /// The cell.
     pub cell: String,
-    /// In one word of PackML: that of the job that needs a person most, else of the one that works, else `IDLE`.
+    /// In one word of `PackML`: that of the job that needs a person most, else of the one that works, else `IDLE`.
     pub state: JobState,
     /// The job the state is of.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -137,7 +137,7 @@ pub enum CompleteOn {
     Delivered,
 }
 
-/// The state of a job, in the words of PackML.
+/// The state of a job, in the words of `PackML`.
 #[derive(Clone, Copy, Debug, Deserialize, Eq, PartialEq, Serialize, ToSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum JobState {

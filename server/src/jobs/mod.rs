@@ -18,5 +18,5 @@ pub(crate) use events::events;
 pub(crate) use questions::{answer, intervention};
 pub(crate) use refused::{problem, told};
 pub(crate) use report::report;
-pub(crate) use shown::{fault_name, job, load, load_location, permits, session, state_of, summary};
+pub(crate) use shown::{job, load, permits, session, state_of, summary};
 pub(crate) use story::{History, history_of_load, remembered, story};

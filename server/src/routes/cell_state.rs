@@ -41,7 +41,7 @@ const URGENCY: [JobState; 15] = [
     JobState::Idle,
 ];
 
-/// Shows a cell: its state in PackML's words, arms, permits, who has control, what waits for a person, what is wrong.
+/// Shows a cell: its state in the words of `PackML`, arms, permits, who has control, what waits for a person, what is wrong.
 #[utoipa::path(
     get, path = "/api/v1/cells/{cell}/state", tag = "cells",
     params(CellPath),

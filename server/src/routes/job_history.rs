@@ -7,7 +7,6 @@ use axum::Json;
 use axum::extract::{FromRequestParts, Query, State};
 use axum::http::Uri;
 use axum::http::request::Parts;
-use uuid::Uuid;
 
 use super::jobs::{JobOf, story_of};
 use super::params::{CellPath, invalid, page_limit};

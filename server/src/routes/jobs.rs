@@ -11,7 +11,7 @@ use uuid::Uuid;
 use workflow::{Input, Reply};
 
 use super::params::{CellId, CellPath, invalid, page_limit, param, path_params};
-use super::responses::{AnyProblem, BodyProblem, CrossSite, InvalidJson, KeptProblem, NotFound};
+use super::responses::{AnyProblem, BodyProblem, CrossSite, KeptProblem, NotFound};
 use crate::extract::{JsonBody, ListJson};
 use crate::identity::Principal;
 use crate::jobs;

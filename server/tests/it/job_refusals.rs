@@ -8,17 +8,20 @@ use crate::support::WorkCell;
 /// The delivery with one thing changed.
 fn changed(pointer: &str, value: Value) -> Value {
     let mut body = delivery();
-    match body.pointer_mut(pointer) {
-        Some(old) => *old = value,
-        None => {
-            let (parent, key) = pointer.rsplit_once('/').unwrap();
-            body.pointer_mut(parent).unwrap()[key] = value;
-        }
+    if let Some(old) = body.pointer_mut(pointer) {
+        *old = value;
+    } else {
+        let (parent, key) = pointer.rsplit_once('/').unwrap();
+        body.pointer_mut(parent).unwrap()[key] = value;
     }
     body
 }
 
 /// Covers: H1, H2, W2. Every parameter out of its range, or not of this cell.
+#[expect(
+    clippy::too_many_lines,
+    reason = "one line for each thing that can be wrong"
+)]
 #[tokio::test]
 async fn a_job_that_does_not_fit_is_refused_by_item() {
     let cell = WorkCell::start().await;

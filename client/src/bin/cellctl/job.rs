@@ -1,5 +1,6 @@
 //! `cellctl job`: the group workflows.
 
+use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use api::{
@@ -243,7 +244,7 @@ pub(crate) async fn run(args: JobArgs, context: &Context) -> Result<Report, Fail
             Ok(context.report(Exit::Done, &report, |report| {
                 let mut text = figures(report);
                 if let Some(file) = &plot {
-                    text.push_str(&format!("\nDrawn into {}\n", file.display()));
+                    let _ = writeln!(text, "\nDrawn into {}", file.display());
                 }
                 text
             }))
@@ -445,12 +446,13 @@ fn sentences(job: &Job) -> String {
         text.push_str(&steps(job));
     }
     for timer in &job.timers {
-        text.push_str(&format!(
-            "  waits: {} {} s left of {}\n",
+        let _ = writeln!(
+            text,
+            "  waits: {} {} s left of {}",
             timer.timer,
             seconds(timer.left_ms),
             seconds(timer.total_ms)
-        ));
+        );
     }
     text
 }
@@ -505,22 +507,24 @@ fn figures(report: &JobReport) -> String {
         text.push_str(&table.to_string());
     }
     for fault in &report.faults {
-        text.push_str(&format!(
-            "  at {} s: {} {}: {}\n",
+        let _ = writeln!(
+            text,
+            "  at {} s: {} {}: {}",
             seconds(fault.at_ms),
             fault.fault.code,
             fault.fault.name,
             fault.text
-        ));
+        );
     }
     for decision in &report.decisions {
-        text.push_str(&format!(
-            "  at {} s: {} by {}: {}\n",
+        let _ = writeln!(
+            text,
+            "  at {} s: {} by {}: {}",
             seconds(decision.at_ms),
             decision.decision,
             decision.principal,
             decision.reason
-        ));
+        );
     }
     text
 }
