@@ -61,27 +61,27 @@ struct Told {
 }
 
 impl Told {
-    fn of(text: impl Into<String>) -> Option<Self> {
-        Some(Self {
+    fn of(text: impl Into<String>) -> Self {
+        Self {
             text: text.into(),
             ..Self::default()
-        })
+        }
     }
 
-    fn step(text: impl Into<String>, step: usize) -> Option<Self> {
-        Some(Self {
+    fn step(text: impl Into<String>, step: usize) -> Self {
+        Self {
             text: text.into(),
             step: Some(step),
             principal: None,
-        })
+        }
     }
 
-    fn by(text: impl Into<String>, principal: &str) -> Option<Self> {
-        Some(Self {
+    fn by(text: impl Into<String>, principal: &str) -> Self {
+        Self {
             text: text.into(),
             step: None,
             principal: Some(principal.to_owned()),
-        })
+        }
     }
 }
 
@@ -95,25 +95,27 @@ struct Teller {
 
 impl Teller {
     fn note(&mut self, fact: &Fact) {
-        match fact {
-            Fact::JobCreated { spec, .. } => self.workflow = Some(spec.workflow),
-            Fact::Planned { steps, .. } => self.steps.extend(steps.iter().cloned()),
+        if let Fact::JobCreated { spec, .. } = fact {
+            self.workflow = Some(spec.workflow);
+        } else if let Fact::Planned { steps, .. } = fact {
+            self.steps.extend(steps.iter().cloned());
+        } else if let Fact::JobMoved {
+            to: workflow::JobState::Idle,
+            ..
+        } = fact
+        {
             // Into the queue again: there will be another plan.
-            Fact::JobMoved {
-                to: workflow::JobState::Idle,
-                ..
-            } => self.steps.clear(),
-            Fact::OpStarted {
-                op,
-                step,
-                arm,
-                action: what,
-                ..
-            } => {
-                let told = (*step, arm.clone(), action(what));
-                let _new = self.operations.insert(*op, told);
-            }
-            _ => {}
+            self.steps.clear();
+        } else if let Fact::OpStarted {
+            op,
+            step,
+            arm,
+            action: what,
+            ..
+        } = fact
+        {
+            let told = (*step, arm.clone(), action(what));
+            let _new = self.operations.insert(*op, told);
         }
     }
 
@@ -136,12 +138,12 @@ impl Teller {
 
     fn operation(&self, op: Uuid, text: &str) -> Option<Told> {
         let (step, arm, what) = self.operations.get(&op)?;
-        Told::step(format!("{arm}: {what}{text}"), *step)
+        Some(Told::step(format!("{arm}: {what}{text}"), *step))
     }
 
     #[expect(clippy::too_many_lines, reason = "one sentence for each fact")]
     fn tell(&self, fact: &Fact) -> Option<Told> {
-        match fact {
+        let told = match fact {
             Fact::JobCreated { spec, items, .. } => Told::of(format!(
                 "created: {} at {}, {} item(s)",
                 word(&spec.workflow),
@@ -220,13 +222,17 @@ impl Teller {
                 (Holder::Job(_), None) => Told::of("released everything it had claimed"),
                 (Holder::Session(_), None) => Told::of("the session released its point"),
             },
-            Fact::OpStarted { op, .. } => self.operation(*op, ""),
-            Fact::OpDoubted { op, text } => self.operation(
-                *op,
-                &format!(": nobody knows how it ended{}", because(text)),
-            ),
-            Fact::OpReconciling { op } => self.operation(*op, ": finding out how it ended"),
-            Fact::OpEnded { op, result } => self.operation(*op, &format!(": {}", ended(result))),
+            Fact::OpStarted { op, .. } => return self.operation(*op, ""),
+            Fact::OpDoubted { op, text } => {
+                return self.operation(
+                    *op,
+                    &format!(": nobody knows how it ended{}", because(text)),
+                );
+            }
+            Fact::OpReconciling { op } => return self.operation(*op, ": finding out how it ended"),
+            Fact::OpEnded { op, result } => {
+                return self.operation(*op, &format!(": {}", ended(result)));
+            }
             Fact::SessionOpened {
                 point,
                 mobile_robot,
@@ -307,8 +313,9 @@ impl Teller {
             | Fact::MobileLost { .. }
             | Fact::OpPlanned { .. }
             | Fact::ControlChanged { .. }
-            | Fact::JournalChanged { .. } => None,
-        }
+            | Fact::JournalChanged { .. } => return None,
+        };
+        Some(told)
     }
 }
 

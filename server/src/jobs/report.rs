@@ -133,47 +133,46 @@ impl Run {
     }
 
     fn take(&mut self, fact: &Fact, wall: Timestamp) {
-        match fact {
-            Fact::Planned { steps, .. } => self.plan.extend(steps.iter().cloned()),
-            Fact::JobMoved { to, why, text, .. } => {
-                self.leave_state();
-                self.state = (*to, self.now);
-                self.ended_at = to.is_final().then_some(wall);
-                if let Why::Human { principal } = why {
-                    self.decisions.push(DecisionReport {
-                        at_ms: self.at(),
-                        principal: principal.clone(),
-                        decision: word(to),
-                        intervention: None,
-                        open_ms: None,
-                        reason: text.clone(),
-                    });
-                }
-            }
-            Fact::StepMoved { step, to, text, .. } => self.step(*step, *to, text),
-            Fact::FaultNoted { fault, text, .. } => self.faults.push(FaultReport {
+        if let Fact::Planned { steps, .. } = fact {
+            self.plan.extend(steps.iter().cloned());
+        } else if let Fact::StepMoved { step, to, text, .. } = fact {
+            self.step(*step, *to, text);
+        } else if let Fact::FaultNoted { fault, text, .. } = fact {
+            self.faults.push(FaultReport {
                 at_ms: self.at(),
                 fault: fault_name(*fault),
                 text: text.clone(),
-            }),
-            Fact::Asked { question } => {
-                let _new = self.asked.insert(question.id, self.now);
-            }
-            Fact::Answered {
-                intervention,
-                decided,
-            } => {
-                let asked = self.asked.get(intervention);
+            });
+        } else if let Fact::Asked { question } = fact {
+            let _new = self.asked.insert(question.id, self.now);
+        } else if let Fact::Answered {
+            intervention,
+            decided,
+        } = fact
+        {
+            let asked = self.asked.get(intervention);
+            self.decisions.push(DecisionReport {
+                at_ms: self.at(),
+                principal: decided.principal.clone(),
+                decision: word(&decided.answer),
+                intervention: Some(*intervention),
+                open_ms: asked.map(|asked| self.now - asked),
+                reason: decided.reason.clone(),
+            });
+        } else if let Fact::JobMoved { to, why, text, .. } = fact {
+            self.leave_state();
+            self.state = (*to, self.now);
+            self.ended_at = to.is_final().then_some(wall);
+            if let Why::Human { principal } = why {
                 self.decisions.push(DecisionReport {
                     at_ms: self.at(),
-                    principal: decided.principal.clone(),
-                    decision: word(&decided.answer),
-                    intervention: Some(*intervention),
-                    open_ms: asked.map(|asked| self.now - asked),
-                    reason: decided.reason.clone(),
+                    principal: principal.clone(),
+                    decision: word(to),
+                    intervention: None,
+                    open_ms: None,
+                    reason: text.clone(),
                 });
             }
-            _ => {}
         }
     }
 

@@ -123,34 +123,36 @@ pub(crate) async fn history_of_load(
     let end = journal.head().position;
     for_each(journal, cell, Position::default(), end, |chapter| {
         for (_, fact) in &chapter.facts {
-            let event = match fact {
-                Fact::CustodyMoved { load: of, to, by } if of == load => {
-                    custody_event(chapter.at, to, by)
-                }
-                Fact::LoadRegistered {
-                    load: of, location, ..
-                } if of == load => CustodyEvent {
+            let event = if let Fact::CustodyMoved { load: of, to, by } = fact
+                && of == load
+            {
+                custody_event(chapter.at, to, by)
+            } else if let Fact::LoadRegistered {
+                load: of, location, ..
+            } = fact
+                && of == load
+            {
+                CustodyEvent {
                     at: chapter.at.wall,
                     to: load_location(location),
                     evidence: CustodyEvidence::MobileRobot,
                     text: "it came into the cell".to_owned(),
                     principal: None,
-                },
-                Fact::SetupChanged { setup } => {
-                    // A set-up places only loads that are not known yet.
-                    let listed = setup.loads.iter().find(|listed| listed.id == load);
-                    match listed {
-                        Some(listed) if moves.is_empty() => CustodyEvent {
-                            at: chapter.at.wall,
-                            to: load_location(&listed.at),
-                            evidence: CustodyEvidence::Setup,
-                            text: "the set-up has it there".to_owned(),
-                            principal: None,
-                        },
-                        _ => continue,
-                    }
                 }
-                _ => continue,
+            } else if let Fact::SetupChanged { setup } = fact
+                // A set-up places only loads that are not known yet.
+                && moves.is_empty()
+                && let Some(listed) = setup.loads.iter().find(|listed| listed.id == load)
+            {
+                CustodyEvent {
+                    at: chapter.at.wall,
+                    to: load_location(&listed.at),
+                    evidence: CustodyEvidence::Setup,
+                    text: "the set-up has it there".to_owned(),
+                    principal: None,
+                }
+            } else {
+                continue;
             };
             moves.push_front(event);
             moves.truncate(MOVES);

@@ -200,9 +200,10 @@ async fn answer_question(
             decided.answer,
             crate::state::shown(&decided.reason)
         );
-        match problem.code() {
-            ProblemCode::AlreadyAnswered => Problem::not_sent(ProblemCode::AlreadyAnswered, said),
-            _ => problem,
+        if problem.code() == ProblemCode::AlreadyAnswered {
+            Problem::not_sent(ProblemCode::AlreadyAnswered, said)
+        } else {
+            problem
         }
     })?;
     let work = cell.work.view();
