@@ -168,7 +168,6 @@ impl EventStream {
         self.pause = FIRST_PAUSE;
         let Block { event, id, data } = block;
         let told = match (event.as_str(), data) {
-            (_, None) => None,
             ("gap", Some(data)) => Some(Told::Gap(self.read(&data)?)),
             ("status", Some(data)) => Some(Told::Status(self.read(&data)?)),
             ("" | "message", Some(data)) => {
@@ -182,8 +181,8 @@ impl EventStream {
                     Some(Told::Event(event))
                 }
             }
-            // Of a later version of the server.
-            (_, Some(_)) => None,
+            // Nothing but an id, or of a later version of the server.
+            (_, _) => None,
         };
         if let Some(id) = id {
             self.last = Some(id);

@@ -20,7 +20,7 @@ const MAX_REQUEST_ID: usize = 64;
 /// More than the longest token of a server.
 const MAX_TOKEN: usize = 200;
 /// For what lasts as long as somebody listens.
-const NO_LIMIT: Duration = Duration::from_secs(365 * 86_400);
+const NO_LIMIT: Duration = Duration::from_hours(365 * 24);
 pub(crate) const REQUEST_ID: &str = "x-request-id";
 const CONTROL_TOKEN: &str = "control-token";
 

@@ -29,8 +29,6 @@ pub(super) struct Batch {
 /// An event as it is sent.
 #[derive(Debug)]
 pub(super) struct Ready {
-    /// Of all cells where there is none.
-    pub(super) cell: Option<Arc<str>>,
     pub(super) kind: &'static str,
     pub(super) job: Option<Uuid>,
     /// The event in JSON, for each cell that may see it.
@@ -118,7 +116,6 @@ impl Projector {
                 more: fields(fact),
             };
             batch.events.push(Ready {
-                cell: Some(Arc::clone(&cell)),
                 kind: event.kind,
                 job: event.job,
                 json: vec![(Arc::clone(&cell), event.json(batch.id, stored, &cell))],
@@ -153,7 +150,6 @@ impl Projector {
             .map(|id| (Arc::clone(id), event.json(batch.id, stored, id)))
             .collect();
         batch.events.push(Ready {
-            cell: cell.map(Arc::from),
             kind: event.kind,
             job,
             json,
@@ -174,11 +170,14 @@ impl Projector {
             return Some(known.clone());
         }
         match self.journal.motion(motion).await {
-            Ok(Some(story)) => match story.intent.record {
-                Record::Intent(intent) => Some(*intent),
-                _ => None,
-            },
-            Ok(None) => None,
+            Ok(story) => {
+                let begun = story.map(|story| story.intent.record);
+                if let Some(Record::Intent(intent)) = begun {
+                    Some(*intent)
+                } else {
+                    None
+                }
+            }
             Err(error) => {
                 tracing::warn!(%motion, %error, "a motion has no beginning that can be read");
                 None

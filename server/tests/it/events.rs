@@ -57,7 +57,7 @@ impl Listener {
                 .unwrap()
                 .expect("the stream goes on");
             match line.split_once(": ") {
-                Some(("event", event)) => block.event = event.to_owned(),
+                Some(("event", event)) => event.clone_into(&mut block.event),
                 Some(("id", id)) => block.id = Some(id.to_owned()),
                 Some(("data", data)) => block.data = serde_json::from_str(data).unwrap(),
                 _ if line.is_empty() && any => return block,
