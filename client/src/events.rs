@@ -181,8 +181,8 @@ impl EventStream {
                     Some(Told::Event(event))
                 }
             }
-            // No data, or of a later version of the server.
-            (_, None | Some(_)) => None,
+            // Nothing but an id, or of a later version of the server.
+            (_, _) => None,
         };
         if let Some(id) = id {
             self.last = Some(id);

@@ -149,6 +149,7 @@ impl Driver {
         let task = Task {
             cell: recovered.cell,
             told: recovered.told,
+            decided_at: self.wall.now(),
             driver: self,
             ids,
             view,
@@ -165,6 +166,8 @@ impl Driver {
 struct Task {
     cell: Cell,
     told: TellTimes,
+    /// When the last decision was kept.
+    decided_at: Timestamp,
     driver: Driver,
     ids: Ids,
     view: watch::Sender<Arc<Cell>>,
@@ -321,11 +324,10 @@ impl Task {
             facts: text,
             claim,
         };
-        let kept = self
-            .driver
-            .journal
-            .decide_cell(self.driver.wall.now(), decided)
-            .await;
+        let now = self.driver.wall.now();
+        let kept = self.driver.journal.decide_cell(now, decided).await;
+        // What is told in this decision was told then, and still is after a restart.
+        self.decided_at = now;
         // A record that breaks a rule says nothing about the journal.
         let writable = !matches!(
             kept,
@@ -382,8 +384,7 @@ impl Task {
                 mobile_robot,
                 message,
             } => {
-                self.told
-                    .note(&mobile_robot, message.n, self.driver.wall.now());
+                self.told.note(&mobile_robot, message.n, self.decided_at);
                 tracing::info!(
                     cell.id = self.driver.id,
                     mobile_robot.id = mobile_robot,

@@ -41,3 +41,5 @@ pub(crate) async fn test_handle(journal: &crate::journal::SharedJournal) -> Cell
 
 #[cfg(test)]
 mod testing;
+#[cfg(test)]
+mod tests;

@@ -174,11 +174,14 @@ impl Projector {
             return Some(known.clone());
         }
         match self.journal.motion(motion).await {
-            Ok(Some(story)) => match story.intent.record {
-                Record::Intent(intent) => Some(*intent),
-                _ => None,
-            },
-            Ok(None) => None,
+            Ok(story) => {
+                let begun = story.map(|story| story.intent.record);
+                if let Some(Record::Intent(intent)) = begun {
+                    Some(*intent)
+                } else {
+                    None
+                }
+            }
             Err(error) => {
                 tracing::warn!(%motion, %error, "a motion has no beginning that can be read");
                 None
