@@ -95,7 +95,7 @@ pub(crate) fn print(
     )?;
     writeln!(
         out,
-        "\n  cargo run --release -p client --bin cellctl -- --server http://{http} --cell demo job delivery --watch"
+        "\n  cargo run --release -p client --bin cellctl -- --server http://{http} --cell line job list"
     )?;
     if let Some(panel) = controllers
         .iter()

@@ -128,7 +128,7 @@ pub(crate) fn load(path: Option<&Path>) -> Result<Loaded> {
     let Some(path) = path else {
         let mut file: File =
             toml::from_str(DEMO).context("reading the built-in demo configuration")?;
-        for cell in file.cells.iter_mut().filter(|cell| cell.id == "demo") {
+        for cell in file.cells.iter_mut().filter(|cell| cell.id == "line") {
             cell.setup = Some(SetupSource::Memory(DEMO_SETUP.to_owned()));
         }
         if let Some(path) = std::env::var_os(JOURNAL) {

@@ -68,6 +68,8 @@ fn run(args: &[String]) -> Result<()> {
             .any(|arg| arg == "--config" || arg.starts_with("--config="));
     if !configured && !args.iter().any(|arg| arg == "--demo") {
         fixed.push("--demo");
+        // The server's plug can be pulled while the virtual world goes on.
+        fixed.push("--supervised");
     }
     command::cargo(&fixed, args)
 }

@@ -10,6 +10,7 @@ use crate::kit::TestCell;
 
 /// What a person said, for the report of a test.
 #[derive(Debug)]
+#[expect(dead_code, reason = "shown where a test fails")]
 pub(crate) struct Said {
     pub(crate) fault: String,
     pub(crate) question: String,

@@ -51,13 +51,6 @@ pub(crate) trait MotionObserver: Send + Sync + 'static {
 }
 
 /// What became of an order.
-#[cfg_attr(
-    not(test),
-    expect(
-        dead_code,
-        reason = "part of the report; so far only its tests read all of it"
-    )
-)]
 #[derive(Debug)]
 pub(crate) enum MotionEnd {
     /// Seen at the target and standing still.
