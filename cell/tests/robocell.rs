@@ -383,7 +383,9 @@ async fn o5_the_first_start_shows_one_admin_token_and_nothing_shows_it_again() {
     let alice = admins.create_token(&body).await.unwrap().token;
     let alices = anybody.with_token(&alice).unwrap();
     let _moved = alices.legacy_home(None).await.unwrap();
-    let forged = format!("{}f", &admin[..admin.len() - 1]);
+    // The last digit is another one, whatever it was.
+    let last = if admin.ends_with('f') { 'e' } else { 'f' };
+    let forged = format!("{}{last}", &admin[..admin.len() - 1]);
     let forger = anybody.with_token(&secret(&forged)).unwrap();
     assert_eq!(forger.cells().await.unwrap_err().status(), Some(401));
     assert!(!format!("{admins:?}{alice:?}").contains(admin.rsplit('_').next().unwrap()));

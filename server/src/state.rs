@@ -8,13 +8,13 @@ use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
-use crate::authority::{AtLoss, CellControl, EpochStore, LeaseClock};
+use crate::authority::{AtLoss, CellControl, EpochStore, LeaseClock, MemoryEpochs};
 use crate::cell::{self, CellHandle};
 use crate::clock::WallClock;
 use crate::config::{CellPlan, Plan, RobotPlan, ServerPlan};
 use crate::events::Events;
-use crate::identity::{AuditSink, Identity};
-use crate::journal::{JournalAudit, JournalEpochs, SharedJournal};
+use crate::identity::{AuditSink, Identity, TracingAudit};
+use crate::journal::SharedJournal;
 use crate::link::cell_server::{self, CellServerLink, CellServerPlan};
 use crate::link::{self, Connector, Link, Owner};
 use crate::metrics::{LinkMetrics, Metrics};
@@ -297,11 +297,8 @@ impl App {
             tracker,
             stop,
         };
-        let audit: Arc<dyn AuditSink> = Arc::new(JournalAudit {
-            journal: journal.clone(),
-            clock: Arc::clone(&clock),
-        });
-        let epochs: Arc<dyn EpochStore> = Arc::new(JournalEpochs::new(journal.clone()));
+        let audit: Arc<dyn AuditSink> = Arc::new(TracingAudit);
+        let epochs: Arc<dyn EpochStore> = Arc::new(MemoryEpochs::default());
         let start_control = |cell: &str| {
             let time = LeaseClock::new(Arc::clone(&clock));
             let control = CellControl::new(cell, time, Arc::clone(&epochs), Arc::clone(&audit));

@@ -1,8 +1,4 @@
 //! Each fact of the state machines as a kind of event and a sentence.
-#![expect(
-    clippy::wildcard_enum_match_arm,
-    reason = "most facts are not the matter here, and a new one is not either until somebody says so"
-)]
 
 use serde::Serialize;
 use uuid::Uuid;

@@ -1,9 +1,4 @@
 //! A job's story in sentences.
-#![expect(
-    clippy::unnecessary_wraps,
-    clippy::wildcard_enum_match_arm,
-    reason = "most facts are not the matter here, and a new one is not either until somebody says so"
-)]
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

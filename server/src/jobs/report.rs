@@ -1,8 +1,4 @@
 //! What a job took, from the journal's clocks.
-#![expect(
-    clippy::wildcard_enum_match_arm,
-    reason = "most facts are not the matter here, and a new one is not either until somebody says so"
-)]
 
 use std::collections::BTreeMap;
 use std::time::Duration;

@@ -4,7 +4,6 @@
 //! clock that was set.
 
 mod boxed;
-mod hooks;
 mod open;
 mod trouble;
 
@@ -22,7 +21,6 @@ use tokio::sync::watch;
 use tokio::time::Instant;
 
 use boxed::AnyJournal;
-pub(crate) use hooks::{JournalAudit, JournalEpochs};
 pub use open::{JournalError, open};
 pub(crate) use trouble::Trouble;
 

@@ -98,7 +98,11 @@ impl<C: Connector, O: MotionObserver> CommandTask<C, O> {
             } if *self.shared.stops.borrow() == queued.stops => MotionEnd::NotSent {
                 error: LinkError::GreetingTooOld,
             },
-            other => other,
+            end @ (MotionEnd::Arrived { .. }
+            | MotionEnd::Rejected { .. }
+            | MotionEnd::NotSent { .. }
+            | MotionEnd::Interrupted { .. }
+            | MotionEnd::InDoubt { .. }) => end,
         }
     }
 
