@@ -1,8 +1,4 @@
 //! What only a person can decide.
-#![expect(
-    clippy::wildcard_enum_match_arm,
-    reason = "most facts are not the matter here, and a new one is not either until somebody says so"
-)]
 
 use std::sync::Arc;
 
