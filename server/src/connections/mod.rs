@@ -2,7 +2,7 @@
 //!
 //! The server has a number of places for connections (`max_connections`). A caller who is slow on purpose can fill
 //! any number of them, so a place is never kept by whoever came first: as long as the server waits for the peer, the
-//! place is on loan, and the next caller may get it. Every connection's [`Standing`] says whose turn it is:
+//! place is on loan, and the next caller may get it. Every connection's `Standing` says whose turn it is:
 //!
 //! ```text
 //!  Accepted ─► Arriving ─┐

@@ -1,6 +1,6 @@
 //! The operator's set-up of a cell: tools, zones, stations, places, taught poses, mobile robots, routes, loads.
 //!
-//! [`api::setup::SetupFile`] is what people write; [`Setup`] is what was checked. Everyone reads the revision that
+//! [`api::setup::SetupFile`] is what people write; `Setup` is what was checked. Everyone reads the revision that
 //! [`SetupBook::current`] gives, or follows [`SetupBook::watch`]; every change goes through [`SetupBook::change`], which
 //! checks the whole, asks whether running work is in the way, and keeps it durably before anyone sees it.
 //!
