@@ -2,7 +2,7 @@
 //!
 //! The emulators know nothing of each other and the server nothing of them; here they meet. [`Plant`] starts the
 //! virtual controllers, the virtual mobile robots and the [`World`] in which a gripper finds what a mobile robot
-//! carries. [`start`] is the program `robocell`.
+//! carries. [`start()`] is the program `robocell`.
 
 mod access;
 mod assembly;
