@@ -48,9 +48,11 @@ pub(crate) async fn late(which: Which) {
     let ledger = run.mobile().ledger().await.unwrap();
     let orders: std::collections::BTreeSet<_> = ledger
         .iter()
-        .filter_map(|entry| match &entry.event {
-            MobileEvent::OrderTaken { order, .. } => Some(*order),
-            _other => None,
+        .filter_map(|entry| {
+            let MobileEvent::OrderTaken { order, .. } = &entry.event else {
+                return None;
+            };
+            Some(*order)
         })
         .collect();
     assert_eq!(orders.len(), 3, "called, and called anew twice");

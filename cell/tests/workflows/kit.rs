@@ -22,7 +22,7 @@ use crate::child::Program;
 /// Seconds of the cell in a second.
 pub(crate) const SCALE: f64 = 20.0;
 /// A job of two drives and a few motions takes about two minutes of the cell's time.
-pub(crate) const A_JOB: Duration = Duration::from_secs(60);
+pub(crate) const A_JOB: Duration = Duration::from_mins(1);
 pub(crate) const SETUP: &str = include_str!("../../demo.setup.toml");
 const BASE: &str = "/api/v1/cells/demo";
 

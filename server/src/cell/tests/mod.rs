@@ -198,10 +198,10 @@ impl World {
                 news.changed().await.unwrap();
             }
         };
-        match tokio::time::timeout(LIMIT, found).await {
-            Ok(found) => found,
-            Err(_) => panic!("no {kind}; waiting: {:?}", self.outboxes.after("mr1", 0)),
-        }
+        let Ok(found) = tokio::time::timeout(LIMIT, found).await else {
+            panic!("no {kind}; waiting: {:?}", self.outboxes.after("mr1", 0));
+        };
+        found
     }
 
     async fn taken(&self, n: u64) {
@@ -210,8 +210,8 @@ impl World {
 }
 
 fn order_of(message: &OutboxMessage) -> &api::TransportOrderBody {
-    match &message.message {
-        MobileMessage::TransportOrder(order) => order,
-        other => panic!("{other:?}"),
-    }
+    let MobileMessage::TransportOrder(order) = &message.message else {
+        panic!("{:?}", message.message);
+    };
+    order
 }
