@@ -302,8 +302,8 @@ pub(crate) enum StmtKind {
     },
     CloseFile(Path),
     CancelFile(Path),
-    /// `CANCEL` of the motion.
-    CancelMotion,
+    /// What stops, holds or lets go on what moves.
+    Motion(MotionVerb),
     /// Names in the body are first looked for in these.
     Using {
         places: Vec<Path>,
@@ -314,15 +314,176 @@ pub(crate) enum StmtKind {
     ConnectTimer(Path),
     /// `DISCONNECT TIMER variable`.
     DisconnectTimer(Path),
-    /// All of them must hold.
-    WaitFor(Vec<Expr>),
+    WaitFor(Conditions),
     MoveTo {
         target: Expr,
         waits: Waits,
+        /// Conditions that are looked at while it moves.
+        whens: Vec<When>,
+        /// `UNTIL`: the motion is canceled when this holds.
+        until: Option<Conditions>,
     },
-    Abort,
+    /// `CONDITION[n]: .. ENDCONDITION`.
+    Condition {
+        number: Expr,
+        with: Vec<(Path, Expr)>,
+        whens: Vec<When>,
+    },
+    /// `ENABLE CONDITION[n]` and its sisters.
+    ConditionState {
+        verb: ConditionVerb,
+        number: Expr,
+    },
+    /// `NOABORT` and its sisters.
+    Action(Action),
+    /// `SIGNAL EVENT[n]`, `SIGNAL SEMAPHORE[n]`.
+    Signal {
+        what: Signaled,
+        number: Expr,
+    },
+    /// `ABORT`, `PAUSE`, `CONTINUE`, of the own or of another task.
+    Task {
+        verb: TaskVerb,
+        task: Option<Expr>,
+    },
+    /// `PULSE port FOR milliseconds`.
+    Pulse {
+        port: Path,
+        time: Expr,
+        waits: Waits,
+    },
+    /// `OPEN HAND n` and its sisters.
+    Hand {
+        verb: HandVerb,
+        number: Expr,
+    },
     /// Legal KAREL that this crate does not run yet; holds its name.
     Unsupported(String),
+}
+
+/// Conditions of a WHEN, an UNTIL or a WAIT FOR.
+#[derive(Debug)]
+pub(crate) struct Conditions {
+    pub(crate) terms: Vec<Condition>,
+    /// Joined by `AND` or commas; else by `OR`.
+    pub(crate) all: bool,
+}
+
+#[derive(Debug)]
+pub(crate) enum Condition {
+    /// A state.
+    Expr(Expr),
+    /// `ABORT`, `PAUSE PROGRAM[n]`.
+    Task {
+        verb: TaskVerb,
+        task: Option<Expr>,
+    },
+    /// `ERROR[n]`; `ERROR[*]` is any.
+    Error(Option<Expr>),
+    /// `EVENT[n]`, `SEMAPHORE[n]`.
+    Signaled {
+        what: Signaled,
+        number: Expr,
+    },
+    PowerUp,
+    /// `DIN[n]+`, `DIN[n]-`.
+    Edge {
+        port: Path,
+        edge: Edge,
+    },
+}
+
+/// Conditions and what is done when they hold.
+#[derive(Debug)]
+pub(crate) struct When {
+    pub(crate) conditions: Conditions,
+    pub(crate) actions: Vec<Stmt>,
+    pub(crate) span: Span,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Edge {
+    Rising,
+    Falling,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Signaled {
+    Event,
+    Semaphore,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum TaskVerb {
+    Abort,
+    Pause,
+    Continue,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ConditionVerb {
+    Enable,
+    Disable,
+    Purge,
+}
+
+/// What stands only among the actions of a condition handler.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Action {
+    NoAbort,
+    NoPause,
+    Unpause,
+    NoMessage,
+    Restore,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum MotionVerb {
+    Cancel,
+    Stop,
+    Resume,
+    Hold,
+    Unhold,
+    Attach,
+    Release,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum HandVerb {
+    Open,
+    Close,
+    Relax,
+}
+
+macro_rules! words {
+    ($($name:ident { $($variant:ident $text:literal)* })*) => {
+        $(impl $name {
+            /// The word in a program, in capitals.
+            pub(crate) fn text(self) -> &'static str {
+                match self { $($name::$variant => $text,)* }
+            }
+
+            /// The one that this word in capitals means.
+            pub(crate) fn of_word(word: &str) -> Option<$name> {
+                match word { $($text => Some($name::$variant),)* _ => None }
+            }
+        })*
+    };
+}
+
+words! {
+    Signaled { Event "EVENT" Semaphore "SEMAPHORE" }
+    TaskVerb { Abort "ABORT" Pause "PAUSE" Continue "CONTINUE" }
+    ConditionVerb { Enable "ENABLE" Disable "DISABLE" Purge "PURGE" }
+    Action {
+        NoAbort "NOABORT" NoPause "NOPAUSE" Unpause "UNPAUSE" NoMessage "NOMESSAGE"
+        Restore "RESTORE"
+    }
+    MotionVerb {
+        Cancel "CANCEL" Stop "STOP" Resume "RESUME" Hold "HOLD" Unhold "UNHOLD" Attach "ATTACH"
+        Release "RELEASE"
+    }
+    HandVerb { Open "OPEN" Close "CLOSE" Relax "RELAX" }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -99,6 +99,17 @@ pub enum MoveEnd {
     NoWait,
 }
 
+/// What a program wants a hand to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum HandAction {
+    /// `OPEN HAND`.
+    Open,
+    /// `CLOSE HAND`.
+    Close,
+    /// `RELAX HAND`.
+    Relax,
+}
+
 /// A MOVE TO. Speed, motion type, frames and termination are the host's system variables
 /// (`$SPEED`, `$MOTYPE`, `$UFRAME`, `$UTOOL`, `$TERMTYPE`) at the moment of the call.
 #[derive(Clone, Debug, PartialEq)]
@@ -332,6 +343,24 @@ pub trait Host {
     /// `CANCEL`: the arm brakes, whoever moves it. A MOVE that waits for it goes on as if it had
     /// arrived: [`Host::motion_ended`] answers with status 0.
     fn cancel_arm(&mut self, _task: TaskId) {}
+
+    /// `STOP` and `HOLD`: the arm brakes and keeps what it was to do.
+    fn hold_arm(&mut self, task: TaskId) {
+        self.hold_motions(task);
+    }
+
+    /// `RESUME` and `UNHOLD`: the arm goes on with what was held.
+    fn resume_arm(&mut self, task: TaskId) {
+        self.continue_motions(task);
+    }
+
+    /// `OPEN HAND`, `CLOSE HAND` and `RELAX HAND`.
+    ///
+    /// # Errors
+    /// The status that ends the task. A host without hands keeps this answer.
+    fn hand(&mut self, _task: TaskId, _action: HandAction, _number: i32) -> Result<(), Status> {
+        Err(Status::INTP_UNDEFINED_BUILTIN)
+    }
 
     /// Cancels what a task moves; another task aborted it and wants that.
     fn cancel_motions(&mut self, _task: TaskId) {}

@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use crate::{
-    ast::{Relation, Waits},
+    ast::{Action, ConditionVerb, Edge, HandVerb, MotionVerb, Relation, Signaled, TaskVerb, Waits},
     builtins::Builtin,
     port::Port,
     syspath::SysPath,
@@ -141,10 +141,38 @@ pub(crate) enum Outward {
     StorePort(Port),
     /// Waits until conditions are looked at again.
     Scan,
+    /// From here on a WAIT FOR sees what is signaled.
+    WaitBegin,
+    /// The end of the code of a condition, whose value is on the stack.
+    ConditionEnd,
+    /// A task's number, or that of an event or semaphore, or nothing on the stack.
+    Signaled(SignalTest),
+    /// The state of a port on the stack.
+    Edge {
+        slot: u32,
+        edge: Edge,
+    },
+    /// By a row of the table of handlers; its number and `$SCAN_TIME`, or 0, on the stack.
+    DefineCondition(u32),
+    /// The handler of the MOVE that follows, by a row of the table of handlers.
+    DefineLocal(u32),
+    /// Its number on the stack.
+    ConditionState(ConditionVerb),
+    Action(Action),
+    /// A call among the actions waits while the task is paused.
+    ActionGate,
+    /// Its number on the stack.
+    Signal(Signaled),
+    /// `ABORT` is `EndTask`. Its number, or 0 for the own one, on the stack.
+    Task(TaskVerb),
+    /// The time in milliseconds above the port's number.
+    Pulse(Port, Waits),
+    /// Its number on the stack.
+    Hand(HandVerb),
+    Motion(MotionVerb),
     OpenFile,
     CloseFile,
     CancelFile,
-    CancelMotion,
     Read(u32),
     Write(u32),
     Delay,
@@ -155,6 +183,35 @@ pub(crate) enum Outward {
     Move(Waits),
     /// An instruction of a TP program, by a row of its table.
     Tp(u32),
+}
+
+/// What a condition asks of the signals that a task has seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SignalTest {
+    Event,
+    Semaphore,
+    /// An error of this code, or any.
+    Error,
+    AnyError,
+    /// Of the task itself.
+    Own(TaskVerb),
+    /// Of the task with this number.
+    Of(TaskVerb),
+}
+
+/// A condition handler: code for its conditions and its actions.
+#[derive(Debug)]
+pub(crate) struct HandlerShape {
+    pub(crate) whens: Vec<WhenShape>,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WhenShape {
+    /// Routines.
+    pub(crate) condition: u32,
+    pub(crate) actions: u32,
+    /// Ports whose edges it looks for.
+    pub(crate) edges: u32,
 }
 
 /// A lowered program.
@@ -169,6 +226,7 @@ pub(crate) struct Code {
     pub(crate) builtins: Vec<BuiltinSite>,
     pub(crate) reads: Vec<ReadShape>,
     pub(crate) writes: Vec<WriteShape>,
+    pub(crate) handlers: Vec<HandlerShape>,
     /// Instructions of a TP program.
     pub(crate) tp: Vec<crate::tp::Instruction>,
     /// Routines of other programs that are called.

@@ -42,6 +42,9 @@ const UTF8_MARK: &[u8] = b"\xEF\xBB\xBF";
 /// More than any controller takes.
 const MAX_NAME: usize = 128;
 
+/// Tokens of a line that may end with the sign of an edge.
+const MAX_EDGE_LINE: usize = 64;
+
 struct Lexer<'a> {
     bytes: &'a [u8],
     offset: usize,
@@ -109,10 +112,30 @@ impl Lexer<'_> {
         let joins = self
             .tokens
             .last()
-            .is_some_and(|last| continues_line(last.kind));
+            .is_some_and(|last| continues_line(last.kind) && !self.is_edge(last.kind));
         if self.depth == 0 && !joins {
             self.push(TokenKind::LineEnd, start);
         }
+    }
+
+    /// `WAIT FOR DIN[1]+`: a sign that ends the line and no operator.
+    fn is_edge(&self, last: TokenKind) -> bool {
+        if !matches!(last, TokenKind::Symbol(Symbol::Plus | Symbol::Minus)) {
+            return false;
+        }
+        let mut before = self.tokens.iter().rev().skip(1);
+        let bracket = before.next().map(|token| token.kind);
+        bracket == Some(TokenKind::Symbol(Symbol::RightBracket))
+            && before
+                .take(MAX_EDGE_LINE)
+                .take_while(|token| token.kind != TokenKind::LineEnd)
+                .last()
+                .is_some_and(|first| {
+                    matches!(
+                        first.kind,
+                        TokenKind::Keyword(Keyword::Wait | Keyword::Until | Keyword::Move)
+                    )
+                })
     }
 
     fn skip_to_line_end(&mut self) {

@@ -107,8 +107,8 @@ pub use cmos::{Cmos, Scalar};
 pub use diagnostic::{Diagnostic, Severity, render};
 pub use error::{CallSite, RuntimeError};
 pub use host::{
-    AlarmView, FileId, Host, Input, InputEnd, Interpolation, MotionId, MotionRequest, MoveEnd,
-    OpenMode, Progress, TaskId, TpMotion, TpSpeed, TpTarget, Wait,
+    AlarmView, FileId, HandAction, Host, Input, InputEnd, Interpolation, MotionId, MotionRequest,
+    MoveEnd, OpenMode, Progress, TaskId, TpMotion, TpSpeed, TpTarget, Wait,
 };
 pub use include::{IncludeFile, IncludeFiles, Includes};
 pub use machine::{LoadError, Machine, StartError};

@@ -1,6 +1,6 @@
 //! What a slice of execution ends with, and what can be seen of a task.
 
-use std::sync::Arc;
+use std::{sync::Arc, time::Duration};
 
 use crate::{
     error::{CallSite, RuntimeError},
@@ -42,6 +42,9 @@ pub struct Slice {
     pub run: Run,
     /// Instructions that were executed; at most the fuel given.
     pub used: u32,
+    /// The task has condition handlers: run it again by this moment of the controller's clock,
+    /// whatever it waits for.
+    pub wake_by: Option<Duration>,
 }
 
 /// Why a task stopped executing.

@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use crate::ast::{
-    Decl, Dim, Direction, Expr, ExprKind, Item, ItemKind, Param, Path, PathStep, Program, Routine,
-    RoutineBody, Stmt, StmtKind, TypeExpr, TypeKind, Waits,
+    Condition, Conditions, Decl, Dim, Direction, Edge, Expr, ExprKind, Item, ItemKind, Param, Path,
+    PathStep, Program, Routine, RoutineBody, Stmt, StmtKind, TypeExpr, TypeKind, Waits, When,
 };
 
 /// One line for each declaration and statement, indented by nesting.
@@ -98,6 +98,7 @@ impl Printer {
         }
     }
 
+    #[expect(clippy::too_many_lines, reason = "one arm for each statement")]
     fn stmt(&mut self, stmt: &Stmt) {
         match &stmt.kind {
             StmtKind::Label(name) => self.line(&format!("(label {})", name.text)),
@@ -180,27 +181,123 @@ impl Printer {
             }
             StmtKind::CloseFile(file) => self.line(&format!("(close-file {})", path(file))),
             StmtKind::CancelFile(file) => self.line(&format!("(cancel-file {})", path(file))),
-            StmtKind::CancelMotion => self.line("(cancel-motion)"),
+            StmtKind::Motion(verb) => {
+                self.line(&format!("({}-motion)", verb.text().to_ascii_lowercase()));
+            }
             StmtKind::Using { places, body } => {
                 self.nested(&format!("using {}", joined(places, path)), body);
             }
             StmtKind::WaitFor(conditions) => {
-                self.line(&format!("(wait-for {})", joined(conditions, expr)));
+                self.line(&format!("(wait-for {})", conditions_text(conditions)));
             }
             StmtKind::Delay(time) => self.line(&format!("(delay {})", expr(time))),
             StmtKind::ConnectTimer(timer) => self.timer("connect", timer),
             StmtKind::DisconnectTimer(timer) => self.timer("disconnect", timer),
-            StmtKind::MoveTo { target, waits } => {
+            StmtKind::MoveTo {
+                target,
+                waits,
+                whens,
+                until,
+            } => {
                 let word = if *waits == Waits::No { " nowait" } else { "" };
-                self.line(&format!("(move-to {}{word})", expr(target)));
+                let mut head = format!("move-to {}{word}", expr(target));
+                if let Some(until) = until {
+                    let _ = write!(head, " (until {})", conditions_text(until));
+                }
+                if whens.is_empty() {
+                    return self.line(&format!("({head})"));
+                }
+                self.open(&head);
+                self.whens(whens);
+                self.close();
             }
-            StmtKind::Abort => self.line("(abort)"),
+            StmtKind::Condition {
+                number,
+                with,
+                whens,
+            } => {
+                let mut head = format!("condition {}", expr(number));
+                for (name, value) in with {
+                    let _ = write!(head, " (with {} {})", path(name), expr(value));
+                }
+                if whens.is_empty() {
+                    return self.line(&format!("({head})"));
+                }
+                self.open(&head);
+                self.whens(whens);
+                self.close();
+            }
+            StmtKind::ConditionState { verb, number } => {
+                let word = verb.text().to_ascii_lowercase();
+                self.line(&format!("({word}-condition {})", expr(number)));
+            }
+            StmtKind::Action(action) => {
+                self.line(&format!("({})", action.text().to_ascii_lowercase()));
+            }
+            StmtKind::Signal { what, number } => {
+                let word = what.text().to_ascii_lowercase();
+                self.line(&format!("(signal-{word} {})", expr(number)));
+            }
+            StmtKind::Task { verb, task } => {
+                let word = verb.text().to_ascii_lowercase();
+                match task {
+                    None => self.line(&format!("({word})")),
+                    Some(task) => self.line(&format!("({word}-program {})", expr(task))),
+                }
+            }
+            StmtKind::Pulse { port, time, waits } => {
+                let word = if *waits == Waits::No { " nowait" } else { "" };
+                self.line(&format!("(pulse {} {}{word})", path(port), expr(time)));
+            }
+            StmtKind::Hand { verb, number } => {
+                let word = verb.text().to_ascii_lowercase();
+                self.line(&format!("({word}-hand {})", expr(number)));
+            }
             StmtKind::Unsupported(what) => self.line(&format!("(unsupported {what:?})")),
+        }
+    }
+
+    fn whens(&mut self, whens: &[When]) {
+        for when in whens {
+            let head = format!("when {}", conditions_text(&when.conditions));
+            self.nested(&head, &when.actions);
         }
     }
 
     fn timer(&mut self, word: &str, timer: &Path) {
         self.line(&format!("({word}-timer {})", path(timer)));
+    }
+}
+
+fn conditions_text(conditions: &Conditions) -> String {
+    let terms = joined(&conditions.terms, condition);
+    if conditions.all {
+        terms
+    } else {
+        format!("(or {terms})")
+    }
+}
+
+fn condition(condition: &Condition) -> String {
+    let numbered =
+        |word: &str, number: &Expr| format!("({} {})", word.to_ascii_lowercase(), expr(number));
+    match condition {
+        Condition::Expr(state) => expr(state),
+        Condition::Task { verb, task: None } => {
+            format!("({})", verb.text().to_ascii_lowercase())
+        }
+        Condition::Task {
+            verb,
+            task: Some(task),
+        } => numbered(verb.text(), task),
+        Condition::Error(None) => "(error *)".to_owned(),
+        Condition::Error(Some(number)) => numbered("error", number),
+        Condition::Signaled { what, number } => numbered(what.text(), number),
+        Condition::PowerUp => "(powerup)".to_owned(),
+        Condition::Edge { port, edge } => {
+            let sign = if *edge == Edge::Rising { "+" } else { "-" };
+            format!("(edge{sign} {})", path(port))
+        }
     }
 }
 

@@ -54,7 +54,7 @@ keywords! {
     Of "OF", Open "OPEN", Or "OR", Program "PROGRAM", Read "READ", Repeat "REPEAT",
     Return "RETURN", Routine "ROUTINE", Select "SELECT", Structure "STRUCTURE", Then "THEN",
     To "TO", Type "TYPE", Until "UNTIL", Using "USING", Var "VAR", Wait "WAIT",
-    While "WHILE", Write "WRITE",
+    When "WHEN", While "WHILE", Write "WRITE",
 }
 
 impl Keyword {
@@ -120,6 +120,7 @@ impl Keyword {
             | Keyword::Using
             | Keyword::Var
             | Keyword::Wait
+            | Keyword::When
             | Keyword::While
             | Keyword::Write => true,
         }

@@ -2,7 +2,10 @@
 //! conversion is written out.
 
 use crate::{
-    ast::{Direction, Relation, Waits},
+    ast::{
+        Action, ConditionVerb, Direction, Edge, HandVerb, MotionVerb, Relation, Signaled, TaskVerb,
+        Waits,
+    },
     builtins::Builtin,
     ir::Signature,
     port::Port,
@@ -83,7 +86,7 @@ pub(crate) enum StmtKind {
     },
     CloseFile(Place),
     CancelFile(Place),
-    CancelMotion,
+    Motion(MotionVerb),
     /// References to structures go to frame cells, then the body follows.
     Using {
         places: Vec<(Place, u32)>,
@@ -92,13 +95,70 @@ pub(crate) enum StmtKind {
     Delay(Expr),
     ConnectTimer(Place),
     DisconnectTimer(Place),
-    /// A condition that is looked at again and again until it holds.
-    WaitFor(Expr),
+    /// They are looked at again and again until they hold.
+    WaitFor(Conditions),
     MoveTo {
         target: Expr,
         waits: Waits,
+        whens: Vec<When>,
+        until: Option<Conditions>,
     },
-    Abort,
+    Condition {
+        number: Expr,
+        /// `$SCAN_TIME` in milliseconds.
+        period: Option<Expr>,
+        whens: Vec<When>,
+    },
+    ConditionState {
+        verb: ConditionVerb,
+        number: Expr,
+    },
+    Action(Action),
+    Signal {
+        what: Signaled,
+        number: Expr,
+    },
+    Task {
+        verb: TaskVerb,
+        task: Option<Expr>,
+    },
+    Pulse {
+        port: PortPlace,
+        time: Expr,
+        waits: Waits,
+    },
+    Hand {
+        verb: HandVerb,
+        number: Expr,
+    },
+}
+
+/// Conditions of a WHEN, an UNTIL or a WAIT FOR.
+#[derive(Debug)]
+pub(crate) struct Conditions {
+    pub(crate) terms: Vec<Condition>,
+    pub(crate) all: bool,
+}
+
+#[derive(Debug)]
+pub(crate) enum Condition {
+    State(Expr),
+    Task { verb: TaskVerb, task: Option<Expr> },
+    Error(Option<Expr>),
+    Signaled { what: Signaled, number: Expr },
+    PowerUp,
+    Edge { port: PortPlace, edge: Edge },
+}
+
+#[derive(Debug)]
+pub(crate) struct When {
+    pub(crate) conditions: Conditions,
+    pub(crate) actions: Vec<Stmt>,
+    pub(crate) span: Span,
+    /// Labels of the actions.
+    pub(crate) labels: u32,
+    /// Frame cells that the actions need besides temporaries.
+    pub(crate) frame_cells: u32,
 }
 
 #[derive(Debug)]

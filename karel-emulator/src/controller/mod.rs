@@ -65,6 +65,8 @@ struct Task {
     share: u32,
     /// When the present period began.
     period: Duration,
+    /// When its condition handlers look again, whatever it waits for.
+    look: Option<Duration>,
 }
 
 #[derive(Debug)]
@@ -141,6 +143,7 @@ impl Controller {
                 self.hardware.now = self.hardware.now.max(wake);
                 self.hardware.end_motions();
                 self.hardware.end_gripping();
+                self.machine.follow(&mut self.hardware);
                 self.wake_tasks();
                 Advance::Worked
             }
@@ -166,7 +169,10 @@ impl Controller {
             Phase::Waiting(_) | Phase::Over => None,
             Phase::Resting => Some(task.period.saturating_add(SHARE_PERIOD)),
         });
+        let looks = self.tasks.iter().filter_map(|task| task.look);
         tasks
+            .chain(looks)
+            .chain(self.machine.next_due())
             .chain(self.hardware.executor.next_end())
             .chain(self.hardware.gripper_arrives())
             .min()
@@ -190,6 +196,7 @@ impl Controller {
                 self.machine.abort(task.id, &mut self.hardware);
                 self.hardware.release_ports(task.id);
                 task.phase = Phase::Over;
+                task.look = None;
             }
         }
         self.hardware.close_connections();
@@ -269,7 +276,8 @@ impl Controller {
                 Phase::Resting => task.period.saturating_add(SHARE_PERIOD) <= now,
                 Phase::Ready | Phase::Waiting(_) | Phase::Over => false,
             };
-            if due {
+            let looks = task.look.is_some_and(|look| look <= now);
+            if due || (looks && matches!(task.phase, Phase::Waiting(_))) {
                 task.phase = Phase::Ready;
             }
         }
@@ -302,6 +310,7 @@ impl Controller {
         // A slice costs something even if it only asks again, or two tasks could wake each other for ever.
         task.share = task.share.saturating_sub(slice.used.max(1));
         let id = task.id;
+        task.look = slice.wake_by;
         task.phase = match slice.run {
             Run::OutOfFuel => Phase::Ready,
             Run::Blocked(wait) => Phase::Waiting(wait),
@@ -314,6 +323,7 @@ impl Controller {
         let over = matches!(task.phase, Phase::Over);
         self.hardware.end_cancel(id);
         if over {
+            task.look = None;
             tracing::info!(controller = %self.hardware.name, task = id.0, "A KAREL task is over.");
             self.hardware.release_ports(id);
         }
@@ -337,6 +347,7 @@ impl Controller {
                 );
                 self.hardware.release_ports(task.id);
                 task.phase = Phase::Over;
+                task.look = None;
             }
         }
         self.tasks.retain(|task| ids.contains(&task.id));
@@ -348,6 +359,10 @@ impl Controller {
             {
                 task.phase = Phase::Ready;
             }
+            // Its condition handlers have to see that somebody wants it to end.
+            if matches!(task.phase, Phase::Waiting(_)) && self.machine.wants_to_run(task.id) {
+                task.phase = Phase::Ready;
+            }
         }
         for id in ids {
             if self.tasks.iter().all(|task| task.id != id) {
@@ -356,6 +371,7 @@ impl Controller {
                     phase: Phase::Ready,
                     share: self.limits.instructions_per_ms,
                     period: self.hardware.now,
+                    look: None,
                 });
             }
         }

@@ -53,10 +53,10 @@ fn run_task(context: &mut Context<'_>) -> Result<Outcome, Fault> {
 
 /// Ends a task by the name of its root program; a motion of it goes on unless it shall be cancelled.
 ///
-/// ASSUMPTION: force or not is the same here, where nothing holds on to a task.
+/// ASSUMPTION: with force its condition handlers are not asked.
 fn abort_task(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     let wanted = name(context, 0);
-    let cancel_motion = context.boolean(2);
+    let (force, cancel_motion) = (context.boolean(1), context.boolean(2));
     if context.running.name.eq_ignore_ascii_case(&wanted) {
         context.put_status(3, Status::OK);
         if cancel_motion {
@@ -65,8 +65,15 @@ fn abort_task(context: &mut Context<'_>) -> Result<Outcome, Fault> {
         return Ok(Outcome::EndTask);
     }
     let found = context.tasks.named(&wanted).map(|(id, _)| id);
+    let mut end = |id| {
+        if force {
+            context.tasks.end(id, context.host)
+        } else {
+            context.tasks.request_end(id, context.host)
+        }
+    };
     let status = match found {
-        Some(id) if context.tasks.end(id, context.host) => {
+        Some(id) if end(id) => {
             if cancel_motion {
                 context.host.cancel_motions(id);
             }

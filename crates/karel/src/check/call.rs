@@ -96,6 +96,7 @@ impl Checker<'_> {
         name: &Name,
         args: &[ast::Expr],
     ) -> Option<Call> {
+        self.refuse_call_in_condition(name)?;
         let callee = match &signature.home {
             Home::Here(routine) => Callee::Here(*routine),
             Home::Promised => return None,

@@ -2,6 +2,7 @@
 
 mod argument;
 mod call;
+mod condition;
 mod constant;
 mod decl;
 mod expr;
@@ -62,6 +63,7 @@ pub(crate) fn check(program: &ast::Program, reports: &mut Reports) -> Checked {
         cmos_vars: false,
         persistent: Vec::new(),
         frame: Frame::default(),
+        handler: None,
     };
     checker.directives(&program.directives);
     checker.program(program)
@@ -83,6 +85,22 @@ struct Checker<'a> {
     /// Variables that keep their values without power.
     persistent: Vec<String>,
     frame: Frame,
+    /// What is checked belongs to a condition handler.
+    handler: Option<Handler>,
+}
+
+/// The part of a condition handler that is being checked.
+#[derive(Debug)]
+struct Handler {
+    /// Variables of the routine around, which it cannot use.
+    hidden: Vec<String>,
+    part: HandlerPart,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum HandlerPart {
+    Condition,
+    Actions,
 }
 
 /// What a call of a routine needs to know.
@@ -249,6 +267,17 @@ impl Checker<'_> {
         self.finish_routine(&routine.name.text, frame, body, end)
     }
 
+    fn refuse_missing_labels(&mut self) {
+        let labels = std::mem::take(&mut self.frame.labels);
+        let missing = labels.into_iter().filter(|(_, label)| !label.defined);
+        let mut missing: Vec<_> = missing.collect();
+        missing.sort_by_key(|(_, label)| label.first_use.start);
+        for (name, label) in missing {
+            let message = format!("there is no label `{name}` in this routine");
+            self.reports.error(label.first_use, message);
+        }
+    }
+
     fn finish_routine(
         &mut self,
         name: &str,
@@ -256,17 +285,7 @@ impl Checker<'_> {
         body: Vec<crate::typed::Stmt>,
         end: Span,
     ) -> Routine {
-        let mut missing: Vec<_> = self
-            .frame
-            .labels
-            .drain()
-            .filter(|(_, label)| !label.defined)
-            .collect();
-        missing.sort_by_key(|(_, label)| label.first_use.start);
-        for (name, label) in missing {
-            let message = format!("there is no label `{name}` in this routine");
-            self.reports.error(label.first_use, message);
-        }
+        self.refuse_missing_labels();
         Routine {
             name: name.to_owned(),
             frame_cells: self.locals.cells,

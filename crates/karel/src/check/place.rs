@@ -136,6 +136,9 @@ impl Checker<'_> {
     }
 
     pub(super) fn undeclared(&mut self, name: &Name) {
+        if self.is_hidden(name) {
+            return;
+        }
         if name.text.starts_with("ATR_") {
             let message = format!("the file attribute {} is not supported yet", name.text);
             return self.reports.error(name.span, message);

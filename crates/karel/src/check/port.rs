@@ -1,11 +1,10 @@
-//! I/O ports in expressions and assignments, and conditions that wait for them.
+//! I/O ports in expressions, assignments and pulses.
 
 use super::Checker;
 use crate::{
     ast::{self, Path, PathStep},
     port::Port,
-    span::Span,
-    typed::{Expr, ExprKind, Op, PortPlace, StmtKind, Target},
+    typed::{Expr, ExprKind, PortPlace, StmtKind, Target},
     types::Type,
 };
 
@@ -58,28 +57,31 @@ impl Checker<'_> {
         })
     }
 
-    /// `WAIT FOR a, b`: both must hold at the same look.
-    pub(super) fn wait_for(&mut self, conditions: &[ast::Expr], span: Span) -> Option<StmtKind> {
-        let mut all: Option<Expr> = None;
-        if conditions.len() > usize::from(crate::parser::MAX_HEIGHT) {
-            self.reports.error(span, "too many conditions");
+    /// A port that can be written and is on or off.
+    pub(super) fn pulse(
+        &mut self,
+        path: &Path,
+        time: &ast::Expr,
+        waits: ast::Waits,
+    ) -> Option<StmtKind> {
+        let time = self.integer(time);
+        let port = self.switch_port(path, "PULSE")?;
+        if port.port.is_input() {
+            let message = format!("{} is an input and cannot be written", port.port);
+            self.reports.error(path.span, message);
             return None;
         }
-        for condition in conditions {
-            let next = self.boolean(condition);
-            all = Some(match all {
-                None => next,
-                Some(before) => Expr {
-                    kind: ExprKind::Binary {
-                        op: Op::And,
-                        left: Box::new(before),
-                        right: Box::new(next),
-                    },
-                    ty: Type::Boolean,
-                },
-            });
-        }
-        all.map(StmtKind::WaitFor)
+        Some(StmtKind::Pulse { port, time, waits })
+    }
+
+    /// A port that is on or off.
+    pub(super) fn switch_port(&mut self, path: &Path, what: &str) -> Option<PortPlace> {
+        let Some(port) = self.port_array(path).filter(|port| port.is_switch()) else {
+            let message = format!("{what} needs a port that is on or off, such as DOUT[1]");
+            self.reports.error(path.span, message);
+            return None;
+        };
+        self.port_place(port, path)
     }
 }
 

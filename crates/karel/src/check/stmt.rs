@@ -5,7 +5,7 @@ use crate::{
     ast::{self, Direction, Name, Path},
     span::Span,
     typed::{Case, Expr, Place, Root, Stmt, StmtKind, Target},
-    types::{PositionKind, Type},
+    types::Type,
 };
 
 impl Checker<'_> {
@@ -74,20 +74,43 @@ impl Checker<'_> {
             }
             ast::StmtKind::CloseFile(file) => self.file(file).map(StmtKind::CloseFile),
             ast::StmtKind::CancelFile(file) => self.file(file).map(StmtKind::CancelFile),
-            ast::StmtKind::CancelMotion => Some(StmtKind::CancelMotion),
+            ast::StmtKind::Motion(verb) => Some(StmtKind::Motion(*verb)),
             ast::StmtKind::Using { places, body } => Some(self.using(places, body)),
-            ast::StmtKind::WaitFor(conditions) => self.wait_for(conditions, stmt.span),
+            ast::StmtKind::WaitFor(conditions) => {
+                self.conditions(conditions).map(StmtKind::WaitFor)
+            }
             ast::StmtKind::Delay(time) => Some(StmtKind::Delay(self.integer(time))),
             ast::StmtKind::ConnectTimer(path) => self.timer(path).map(StmtKind::ConnectTimer),
             ast::StmtKind::DisconnectTimer(path) => self.timer(path).map(StmtKind::DisconnectTimer),
-            ast::StmtKind::MoveTo { target, waits } => {
-                let wanted = Type::Position(PositionKind::XyzwprExt);
-                Some(StmtKind::MoveTo {
-                    target: self.expr_of(target, &wanted),
-                    waits: *waits,
-                })
-            }
-            ast::StmtKind::Abort => Some(StmtKind::Abort),
+            ast::StmtKind::MoveTo {
+                target,
+                waits,
+                whens,
+                until,
+            } => self.move_to(target, *waits, whens, until.as_ref()),
+            ast::StmtKind::Condition {
+                number,
+                with,
+                whens,
+            } => self.condition_handler(number, with, whens, stmt.span),
+            ast::StmtKind::ConditionState { verb, number } => Some(StmtKind::ConditionState {
+                verb: *verb,
+                number: self.integer(number),
+            }),
+            ast::StmtKind::Action(action) => self.action(*action, stmt.span),
+            ast::StmtKind::Signal { what, number } => Some(StmtKind::Signal {
+                what: *what,
+                number: self.integer(number),
+            }),
+            ast::StmtKind::Task { verb, task } => Some(StmtKind::Task {
+                verb: *verb,
+                task: task.as_ref().map(|task| self.integer(task)),
+            }),
+            ast::StmtKind::Pulse { port, time, waits } => self.pulse(port, time, *waits),
+            ast::StmtKind::Hand { verb, number } => Some(StmtKind::Hand {
+                verb: *verb,
+                number: self.integer(number),
+            }),
             ast::StmtKind::Unsupported(what) => {
                 self.reports
                     .error(stmt.span, format!("{what} is not supported yet"));

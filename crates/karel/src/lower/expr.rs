@@ -170,6 +170,9 @@ impl Lowering<'_> {
         for arg in &call.args {
             self.argument(arg);
         }
+        if self.in_actions {
+            self.emit(Op::Outward(Outward::ActionGate));
+        }
         self.emit(match call.callee {
             Callee::Here(routine) => Op::Call(routine),
             Callee::External(row) => Op::Outward(Outward::CallExternal(row)),

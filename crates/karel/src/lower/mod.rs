@@ -1,5 +1,6 @@
 //! Typed tree to instructions.
 
+mod condition;
 mod expr;
 mod place;
 mod stmt;
@@ -26,11 +27,17 @@ pub(crate) fn lower(program: &Checked, source: &Source) -> Code {
         labels: Vec::new(),
         gotos: Vec::new(),
         is_main: true,
+        in_actions: false,
+        next_routine: count(program.routines.len()),
+        deferred: Vec::new(),
+        edges: 0,
     };
     for (index, routine) in program.routines.iter().enumerate() {
         lowering.is_main = index == 0;
         lowering.routine(routine);
     }
+    lowering.is_main = false;
+    lowering.handlers();
     lowering.code.externals.clone_from(&program.externals);
     lowering.code
 }
@@ -77,10 +84,18 @@ struct Lowering<'a> {
     /// Jumps to labels, patched at the end of the routine.
     gotos: Vec<(usize, u32)>,
     is_main: bool,
+    /// The actions of a condition handler are lowered.
+    in_actions: bool,
+    /// Number of the next routine of a condition handler.
+    next_routine: u32,
+    /// Conditions and actions that become routines behind those of the program.
+    deferred: Vec<condition::Deferred<'a>>,
+    /// Edges of ports in the condition that is lowered.
+    edges: u32,
 }
 
-impl Lowering<'_> {
-    fn routine(&mut self, routine: &Routine) {
+impl<'a> Lowering<'a> {
+    fn routine(&mut self, routine: &'a Routine) {
         self.temp = routine.frame_cells;
         self.most_cells = routine.frame_cells;
         self.labels = vec![None; routine.labels as usize];
@@ -95,11 +110,7 @@ impl Lowering<'_> {
         } else {
             Op::Return
         });
-        for (jump, label) in std::mem::take(&mut self.gotos) {
-            if let Some(target) = self.labels.get(label as usize).copied().flatten() {
-                self.patch_to(jump, target);
-            }
-        }
+        self.patch_gotos();
         self.code.routines.push(RoutineCode {
             name: routine.name.as_str().into(),
             signature: routine.signature.clone(),
@@ -108,6 +119,14 @@ impl Lowering<'_> {
             frame_cells: self.most_cells,
             files: routine.files.clone(),
         });
+    }
+
+    fn patch_gotos(&mut self) {
+        for (jump, label) in std::mem::take(&mut self.gotos) {
+            if let Some(target) = self.labels.get(label as usize).copied().flatten() {
+                self.patch_to(jump, target);
+            }
+        }
     }
 
     fn emit(&mut self, op: Op) {

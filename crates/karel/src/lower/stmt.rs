@@ -2,14 +2,14 @@
 
 use super::{Lowering, add_row, count};
 use crate::{
-    ast::{Direction, Relation},
+    ast::{Direction, Relation, TaskVerb},
     ir::{Op, Outward, ReadPart, ReadShape, ScalarType, WritePart, WriteShape},
     typed::{Case, Constant, Expr, ExprKind, Place, ReadItem, Stmt, StmtKind, Target, WriteItem},
     types::Type,
 };
 
-impl Lowering<'_> {
-    pub(super) fn stmts(&mut self, stmts: &[Stmt]) {
+impl<'a> Lowering<'a> {
+    pub(super) fn stmts(&mut self, stmts: &'a [Stmt]) {
         for stmt in stmts {
             let free = self.temp;
             self.line = self.source.line(stmt.span);
@@ -18,7 +18,8 @@ impl Lowering<'_> {
         }
     }
 
-    fn stmt(&mut self, stmt: &Stmt) {
+    #[expect(clippy::too_many_lines, reason = "one arm for each statement")]
+    fn stmt(&mut self, stmt: &'a Stmt) {
         match &stmt.kind {
             StmtKind::Label(label) => {
                 let here = self.here();
@@ -100,20 +101,59 @@ impl Lowering<'_> {
                 self.address(file);
                 self.emit(Op::Outward(Outward::CancelFile));
             }
-            StmtKind::CancelMotion => self.emit(Op::Outward(Outward::CancelMotion)),
+            StmtKind::Motion(verb) => self.emit(Op::Outward(Outward::Motion(*verb))),
             StmtKind::Using { places, body } => self.using(places, body),
-            StmtKind::WaitFor(condition) => self.wait_for(condition),
+            StmtKind::WaitFor(conditions) => self.wait_for(conditions),
             StmtKind::Delay(time) => {
                 self.scalar(time);
                 self.emit(Op::Outward(Outward::Delay));
             }
             StmtKind::ConnectTimer(timer) => self.timer(timer, Outward::ConnectTimer),
             StmtKind::DisconnectTimer(timer) => self.timer(timer, Outward::DisconnectTimer),
-            StmtKind::MoveTo { target, waits } => {
+            StmtKind::MoveTo {
+                target,
+                waits,
+                whens,
+                until,
+            } => {
                 self.value(target);
+                self.local_handler(whens, until.as_ref());
                 self.emit(Op::Outward(Outward::Move(*waits)));
             }
-            StmtKind::Abort => self.emit(Op::Outward(Outward::EndTask)),
+            StmtKind::Condition {
+                number,
+                period,
+                whens,
+            } => self.define_condition(number, period.as_ref(), whens),
+            StmtKind::ConditionState { verb, number } => {
+                self.scalar(number);
+                self.emit(Op::Outward(Outward::ConditionState(*verb)));
+            }
+            StmtKind::Action(action) => self.emit(Op::Outward(Outward::Action(*action))),
+            StmtKind::Signal { what, number } => {
+                self.scalar(number);
+                self.emit(Op::Outward(Outward::Signal(*what)));
+            }
+            StmtKind::Task {
+                verb: TaskVerb::Abort,
+                task: None,
+            } => self.emit(Op::Outward(Outward::EndTask)),
+            StmtKind::Task { verb, task } => {
+                match task {
+                    Some(task) => self.scalar(task),
+                    None => self.emit(Op::PushInteger(0)),
+                }
+                self.emit(Op::Outward(Outward::Task(*verb)));
+            }
+            StmtKind::Pulse { port, time, waits } => {
+                self.scalar(&port.number);
+                self.scalar(time);
+                self.emit(Op::Outward(Outward::Pulse(port.port, *waits)));
+            }
+            StmtKind::Hand { verb, number } => {
+                self.scalar(number);
+                self.emit(Op::Outward(Outward::Hand(*verb)));
+            }
         }
     }
 
@@ -122,22 +162,12 @@ impl Lowering<'_> {
         self.emit(Op::Outward(op));
     }
 
-    fn using(&mut self, places: &[(Place, u32)], body: &[Stmt]) {
+    fn using(&mut self, places: &[(Place, u32)], body: &'a [Stmt]) {
         for (place, cell) in places {
             self.address(place);
             self.emit(Op::StoreLocal(*cell));
         }
         self.stmts(body);
-    }
-
-    fn wait_for(&mut self, condition: &Expr) {
-        let top = self.here();
-        self.scalar(condition);
-        let to_end = self.emit_jump(Op::JumpIfTrue);
-        self.emit(Op::Outward(Outward::Scan));
-        let back = self.emit_jump(Op::Jump);
-        self.patch_to(back, top);
-        self.patch(to_end);
     }
 
     fn assign(&mut self, place: &Place, value: &Expr) {
@@ -149,7 +179,7 @@ impl Lowering<'_> {
         }
     }
 
-    fn if_statement(&mut self, condition: &Expr, then: &[Stmt], otherwise: &[Stmt]) {
+    fn if_statement(&mut self, condition: &Expr, then: &'a [Stmt], otherwise: &'a [Stmt]) {
         self.scalar(condition);
         let to_else = self.emit_jump(Op::JumpIfFalse);
         self.stmts(then);
@@ -162,7 +192,7 @@ impl Lowering<'_> {
         self.patch(to_end);
     }
 
-    fn while_statement(&mut self, condition: &Expr, body: &[Stmt]) {
+    fn while_statement(&mut self, condition: &Expr, body: &'a [Stmt]) {
         let line = self.line;
         let top = self.here();
         let forever = matches!(condition.kind, ExprKind::Constant(Constant::Boolean(true)));
@@ -191,7 +221,7 @@ impl Lowering<'_> {
         from: &Expr,
         to: &Expr,
         direction: Direction,
-        body: &[Stmt],
+        body: &'a [Stmt],
     ) {
         let line = self.line;
         let limit = self.temporary(1);
@@ -222,7 +252,7 @@ impl Lowering<'_> {
         self.patch(to_end);
     }
 
-    fn select(&mut self, value: &Expr, cases: &[Case], otherwise: Option<&[Stmt]>) {
+    fn select(&mut self, value: &Expr, cases: &'a [Case], otherwise: Option<&'a [Stmt]>) {
         let selected = self.temporary(1);
         self.scalar(value);
         self.emit(Op::StoreLocal(selected));

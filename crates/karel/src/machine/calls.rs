@@ -7,9 +7,9 @@ use super::{
     cell::{Cell, FileCell},
     exec::{Exec, Flow, row_of},
     fault::Fault,
-    task::Caller,
+    task::{Caller, Ending, Signal},
 };
-use crate::{ir::External, program::Program, status::Status};
+use crate::{ast::TaskVerb, ir::External, program::Program, status::Status};
 
 impl Exec<'_> {
     /// Calls a routine of the program that runs.
@@ -63,12 +63,24 @@ impl Exec<'_> {
     }
 
     /// Lets instructions and globals be those of a program.
-    fn switch_program(&mut self, index: usize) {
+    pub(super) fn switch_program(&mut self, index: usize) {
         let loaded = self.programs.get(index);
         let loaded = loaded.expect("programs are never unloaded");
         self.program = &loaded.program;
         self.global_base = loaded.base;
         self.task.program = index;
+    }
+
+    /// The task ends by its own ABORT, as soon as its condition handlers have seen that.
+    pub(super) fn end_task(&mut self) -> Flow {
+        if self.task.sees_its_end() {
+            self.task.ending = Ending::Own;
+            self.task.scan_now = true;
+            self.task.signal(Signal::Task(TaskVerb::Abort, self.id));
+            return Flow::Yield;
+        }
+        self.close_locals(0);
+        Flow::Ended
     }
 
     fn enter(&mut self, program: &Program, routine: u32) -> Result<Flow, Fault> {
@@ -83,6 +95,7 @@ impl Exec<'_> {
             routine: self.task.routine,
             pc: self.task.pc + 1,
             base: self.task.base,
+            interrupted: None,
         });
         let args = self.task.operands.len() - code.args as usize;
         self.task.frames.extend(self.task.operands.drain(args..));
@@ -114,6 +127,12 @@ impl Exec<'_> {
         self.task.pc = caller.pc;
         if caller.program != self.task.program {
             self.switch_program(caller.program);
+        }
+        if let Some(pending) = caller.interrupted {
+            self.task.pending = *pending;
+            self.task.interrupted = false;
+            self.task.unpaused = false;
+            return Flow::Yield;
         }
         Flow::Jumped
     }

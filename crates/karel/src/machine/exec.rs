@@ -7,11 +7,13 @@ use super::{
     Loaded, Tasks, arithmetic,
     cell::{Address, Cell, Memory},
     fault::Fault,
+    pulse::Pulses,
     semaphore::Semaphores,
     task::Task,
     timer::Timers,
 };
 use crate::{
+    error::RuntimeError,
     host::{Host, TaskId, Wait},
     ir::{Op, Rare},
     program::Program,
@@ -33,6 +35,7 @@ pub(super) struct Exec<'a> {
     pub(super) registers: &'a mut Registers,
     pub(super) timers: &'a mut Timers,
     pub(super) semaphores: &'a mut Semaphores,
+    pub(super) pulses: &'a mut Pulses,
     pub(super) task: &'a mut Task,
     pub(super) host: &'a mut dyn Host,
     pub(super) limits: &'a Limits,
@@ -43,7 +46,11 @@ pub(super) enum Stop {
     OutOfFuel,
     Blocked(Wait),
     Ended,
+    /// Conditions are to be looked at, or the task is to pause.
+    Yield,
     Failed(Fault),
+    /// The error was posted.
+    Aborted(RuntimeError),
 }
 
 /// What follows an instruction.
@@ -54,6 +61,8 @@ pub(super) enum Flow {
     Jumped,
     /// The same instruction again, later.
     Blocked(Wait),
+    /// The slice looks around before it goes on where the task's counter is.
+    Yield,
     Ended,
 }
 
@@ -72,10 +81,17 @@ impl Exec<'_> {
                 Ok(Flow::Jumped) => {}
                 Ok(Flow::Blocked(wait)) => return (Stop::Blocked(wait), used + 1),
                 Ok(Flow::Ended) => return (Stop::Ended, used + 1),
+                Ok(Flow::Yield) => return (Stop::Yield, used + 1),
                 Err(fault) => return (Stop::Failed(fault), used + 1),
             }
         }
         (Stop::OutOfFuel, fuel)
+    }
+
+    /// One instruction, outside of the loop.
+    #[inline(never)]
+    pub(super) fn single(&mut self, op: Op) -> Result<Flow, Fault> {
+        self.step(op)
     }
 
     #[expect(

@@ -5,11 +5,13 @@ mod calls;
 pub(crate) mod cell;
 mod exec;
 pub(crate) mod fault;
+mod handlers;
 mod link;
 mod operands;
 mod outward;
 mod ports;
 mod power;
+mod pulse;
 pub(crate) mod semaphore;
 mod system;
 pub(crate) mod task;
@@ -19,9 +21,12 @@ mod tp;
 mod transfer;
 mod variables;
 
+use std::time::Duration;
+
 use crate::{
+    ast::TaskVerb,
     error::{CallSite, RuntimeError},
-    host::{Host, TaskId, Wait},
+    host::{Host, TaskId},
     ir::Op,
     program::Program,
     registers::Registers,
@@ -30,13 +35,14 @@ use crate::{
 use cell::{Cell, FileCell};
 use exec::{Exec, Stop};
 use link::Link;
+use pulse::Pulses;
 use semaphore::Semaphores;
 use timer::Timers;
 
 pub(crate) use arithmetic::finite;
 use fault::Fault;
 pub(crate) use system::{component_of, set_component};
-use task::Task;
+use task::{Signal, Task};
 pub(crate) use tasks::Tasks;
 pub(crate) use variables::find as find_variable;
 
@@ -53,6 +59,7 @@ pub struct Machine {
     registers: Registers,
     timers: Timers,
     semaphores: Semaphores,
+    pulses: Pulses,
 }
 
 #[derive(Debug)]
@@ -144,6 +151,7 @@ impl Machine {
             registers: Registers::new(limits.registers),
             timers: Timers::default(),
             semaphores: Semaphores::default(),
+            pulses: Pulses::default(),
         }
     }
 
@@ -195,6 +203,7 @@ impl Machine {
             return Slice {
                 run: Run::Ended,
                 used: 0,
+                wake_by: None,
             };
         };
         let slice = self.run_task(id, &mut task, fuel, host);
@@ -209,12 +218,13 @@ impl Machine {
             TaskState::Aborted(error) => Some(Run::Aborted(error.clone())),
         };
         if let Some(run) = over {
-            return Slice { run, used: 0 };
+            return Slice {
+                run,
+                used: 0,
+                wake_by: None,
+            };
         }
-        if task.paused {
-            let run = Run::Blocked(Wait::Continue);
-            return Slice { run, used: 0 };
-        }
+        self.pulses.follow(host);
         self.timers.follow(host.now(), &mut self.globals);
         let loaded = self.programs.get(task.program);
         let loaded = loaded.expect("programs are never unloaded");
@@ -231,28 +241,34 @@ impl Machine {
             registers: &mut self.registers,
             timers: &mut self.timers,
             semaphores: &mut self.semaphores,
+            pulses: &mut self.pulses,
             task,
             host,
             limits: &self.limits,
         };
-        let (stop, used) = exec.run(fuel);
+        let (stop, used) = exec.slice(fuel);
         let run = match stop {
-            Stop::OutOfFuel => Run::OutOfFuel,
+            Stop::OutOfFuel | Stop::Yield => Run::OutOfFuel,
             Stop::Blocked(wait) => Run::Blocked(wait),
             Stop::Ended => Run::Ended,
-            Stop::Failed(fault) => {
-                let error = runtime_error(fault, task, &self.programs);
-                host.post_alarm(id, &error);
-                Run::Aborted(error)
-            }
+            Stop::Aborted(error) => Run::Aborted(error),
+            Stop::Failed(_) => unreachable!("a slice ends with an error that was posted"),
         };
+        if matches!(run, Run::Ended | Run::Aborted(_)) {
+            task.handlers.clear();
+            self.tasks.broadcast(Signal::Task(TaskVerb::Abort, id));
+        }
         task.state = match &run {
             Run::OutOfFuel => TaskState::Ready,
             Run::Blocked(wait) => TaskState::Blocked(wait.clone()),
             Run::Ended => TaskState::Ended,
             Run::Aborted(error) => TaskState::Aborted(error.clone()),
         };
-        Slice { run, used }
+        Slice {
+            run,
+            used,
+            wake_by: task.next_scan(),
+        }
     }
 
     /// What can be seen of a task; `None` if there is no such task.
@@ -292,6 +308,33 @@ impl Machine {
     /// disconnects them, as on a controller; what moves is the host's business.
     pub fn abort(&mut self, id: TaskId, host: &mut dyn Host) {
         let _was_alive = self.tasks.end(id, host);
+    }
+
+    /// Asks a task to end. Its condition handlers see that (`WHEN ABORT`) and may refuse with
+    /// `NOABORT`; without one it ends as by [`Machine::abort`].
+    ///
+    /// A task that is alive after this is to be run, whatever it waits for: see
+    /// [`Machine::wants_to_run`].
+    pub fn request_abort(&mut self, id: TaskId, host: &mut dyn Host) {
+        let _was_alive = self.tasks.request_end(id, host);
+    }
+
+    /// Whether a task has something to do although it waits: its condition handlers have to see
+    /// that somebody wants it to end.
+    #[must_use]
+    pub fn wants_to_run(&self, id: TaskId) -> bool {
+        self.tasks.get(id).is_some_and(|task| task.scan_now)
+    }
+
+    /// When [`Machine::follow`] has something to do.
+    #[must_use]
+    pub fn next_due(&self) -> Option<Duration> {
+        self.pulses.next()
+    }
+
+    /// Does what is due and needs no task: ends pulses.
+    pub fn follow(&mut self, host: &mut dyn Host) {
+        self.pulses.follow(host);
     }
 
     /// Pauses a task: it executes nothing until [`Machine::resume`]. `false` if it is not alive or
@@ -387,8 +430,14 @@ fn call_stack(task: &Task, programs: &[Loaded]) -> Vec<CallSite> {
     };
     let innermost = site(task.program, task.routine, task.pc);
     let callers = task.callers.iter().rev();
-    let callers =
-        callers.map(|caller| site(caller.program, caller.routine, caller.pc.saturating_sub(1)));
+    let callers = callers.map(|caller| {
+        let behind = usize::from(caller.interrupted.is_none());
+        site(
+            caller.program,
+            caller.routine,
+            caller.pc.saturating_sub(behind),
+        )
+    });
     std::iter::once(innermost)
         .chain(callers)
         .flatten()

@@ -9,7 +9,7 @@ use super::{
 use crate::{
     ast::Waits,
     builtins::{Context, Outcome, Running},
-    host::{MotionRequest, MoveEnd, Progress, Wait},
+    host::{MotionId, MotionRequest, MoveEnd, Progress, Wait},
     ir::Outward,
     status::Status,
     types::PositionKind,
@@ -26,10 +26,7 @@ impl Exec<'_> {
                 "END of a function without RETURN",
             )),
             Outward::NoCase => Err(Fault::new(Status::INTP_NO_CASE, "No match in CASE")),
-            Outward::EndTask => {
-                self.close_locals(0);
-                Ok(Flow::Ended)
-            }
+            Outward::EndTask => Ok(self.end_task()),
             Outward::EndProgram => Ok(self.end_program()),
             Outward::Builtin(row) => self.builtin(row),
             Outward::LoadSystem(row) => self.load_system(row),
@@ -42,10 +39,20 @@ impl Exec<'_> {
             Outward::OpenFile => Ok(self.open_file()),
             Outward::CloseFile => Ok(self.close_file()),
             Outward::CancelFile => Ok(self.cancel_file()),
-            Outward::CancelMotion => {
-                self.host.cancel_arm(self.id);
-                Ok(Flow::Next)
-            }
+            Outward::WaitBegin => Ok(self.wait_begin()),
+            Outward::ConditionEnd => unreachable!("only a look at conditions executes them"),
+            Outward::Signaled(test) => Ok(self.signaled(test)),
+            Outward::Edge { slot, edge } => Ok(self.edge(slot, edge)),
+            Outward::DefineCondition(row) => self.define_condition(row),
+            Outward::DefineLocal(row) => Ok(self.define_local(row)),
+            Outward::ConditionState(verb) => self.condition_state(verb),
+            Outward::Action(action) => Ok(self.action(action)),
+            Outward::ActionGate => Ok(self.action_gate()),
+            Outward::Signal(what) => self.signal(what),
+            Outward::Task(verb) => Ok(self.task_verb(verb)),
+            Outward::Pulse(port, waits) => self.pulse(port, waits),
+            Outward::Hand(verb) => self.hand(verb),
+            Outward::Motion(verb) => Ok(self.motion_verb(verb)),
             Outward::Read(row) => Ok(self.read(row)),
             Outward::Write(row) => self.write(row),
             Outward::Delay => self.delay(),
@@ -96,10 +103,7 @@ impl Exec<'_> {
         let outcome = (site.builtin.code)(&mut context)?;
         match outcome {
             Outcome::Pending(wait) => return Ok(Flow::Blocked(wait)),
-            Outcome::EndTask => {
-                self.close_locals(0);
-                return Ok(Flow::Ended);
-            }
+            Outcome::EndTask => return Ok(self.end_task()),
             Outcome::Done => self.drop_operands(count),
             Outcome::Value(value) => {
                 self.drop_operands(count);
@@ -116,7 +120,7 @@ impl Exec<'_> {
     }
 
     /// If the instruction is a pause that was begun: whether it goes on waiting.
-    fn pause_is_over(&mut self) -> Option<Flow> {
+    pub(super) fn pause_is_over(&mut self) -> Option<Flow> {
         let Pending::Until(until) = self.task.pending else {
             return None;
         };
@@ -143,6 +147,17 @@ impl Exec<'_> {
         Ok(Flow::Blocked(Wait::Until(until)))
     }
 
+    /// Conditions are looked at before the statement goes on.
+    fn moves_with_conditions(&mut self, motion: MotionId, waits: Waits) -> Flow {
+        if waits == Waits::Yes {
+            self.task.pending = Pending::Motion(motion);
+        } else {
+            self.drop_operands(1);
+            self.task.pc += 1;
+        }
+        Flow::Yield
+    }
+
     fn move_to(&mut self, waits: Waits) -> Result<Flow, Fault> {
         let motion = if let Pending::Motion(motion) = self.task.pending {
             motion
@@ -167,7 +182,12 @@ impl Exec<'_> {
             };
             match self.host.start_motion(self.id, request) {
                 Progress::Pending(wait) => return Ok(Flow::Blocked(wait)),
-                Progress::Ready(Ok(motion)) => motion,
+                Progress::Ready(Ok(motion)) => {
+                    if self.local_starts(motion) {
+                        return Ok(self.moves_with_conditions(motion, waits));
+                    }
+                    motion
+                }
                 Progress::Ready(Err(status)) => {
                     return Err(Fault::from_host(status, "The motion was refused"));
                 }
@@ -182,6 +202,7 @@ impl Exec<'_> {
                 }
                 Progress::Ready(_) => self.task.pending = Pending::None,
             }
+            self.local_ends(motion);
         }
         self.drop_operands(1);
         Ok(Flow::Next)

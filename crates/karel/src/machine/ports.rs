@@ -54,21 +54,27 @@ impl Exec<'_> {
                 return Flow::Blocked(Wait::Until(until));
             }
             self.task.pending = Pending::None;
+            self.hear_alarms();
             return Flow::Next;
         }
+        let period = self.scan_period();
+        let until = self.host.now().saturating_add(period);
+        self.task.pending = Pending::Until(until);
+        Flow::Blocked(Wait::Until(until))
+    }
+
+    /// `$SCAN_TIME`, or what it is if nobody says it.
+    pub(super) fn scan_period(&self) -> Duration {
         let path = SysPath::from_name("$SCAN_TIME");
         let period = match self.host.system_variable(self.id, &path) {
             Ok(Value::Integer(time)) => u64::try_from(time).ok().filter(|time| *time > 0),
             Ok(_) | Err(_) => None,
         };
-        let period = period.map_or(SCAN, Duration::from_millis);
-        let until = self.host.now().saturating_add(period);
-        self.task.pending = Pending::Until(until);
-        Flow::Blocked(Wait::Until(until))
+        period.map_or(SCAN, Duration::from_millis)
     }
 }
 
-fn illegal(status: Status, port: Port, number: i32) -> Fault {
+pub(super) fn illegal(status: Status, port: Port, number: i32) -> Fault {
     if status == Status::PRIO_PORT_NUMBER {
         return Fault::new(status, format!("Illegal port number {port}[{number}]"));
     }

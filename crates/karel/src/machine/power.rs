@@ -84,6 +84,7 @@ impl Machine {
         }
         self.link_variables();
         self.timers.clear();
+        self.pulses.clear();
         self.semaphores = super::Semaphores::default();
     }
 }

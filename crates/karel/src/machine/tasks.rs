@@ -3,12 +3,11 @@
 use std::{collections::BTreeMap, sync::Arc};
 
 use super::{
-    Loaded, StartError,
-    cell::Cell,
-    is_alive, open_file,
-    task::{Pending, Task},
+    Loaded, StartError, is_alive, open_file,
+    task::{Ending, Signal, Task},
 };
 use crate::{
+    ast::TaskVerb,
     host::{Host, TaskId},
     run::{Limits, TaskState},
 };
@@ -58,20 +57,8 @@ impl Tasks {
         self.last = self.last.wrapping_add(1);
         self.changes += 1;
         let id = TaskId(self.last);
-        let task = Task {
-            name,
-            program: index,
-            pc: main.map_or(0, |main| main.entry as usize),
-            base: 0,
-            routine: 0,
-            callers: Vec::new(),
-            frames: vec![Cell::Uninit; cells],
-            operands: Vec::with_capacity(16),
-            pending: Pending::None,
-            state: TaskState::Ready,
-            is_new: true,
-            paused: false,
-        };
+        let entry = main.map_or(0, |main| main.entry as usize);
+        let task = Task::new(name, index, entry, cells);
         let _none = self.by_id.insert(id, task);
         Ok(id)
     }
@@ -89,8 +76,34 @@ impl Tasks {
         }
         task.state = TaskState::Ended;
         task.paused = false;
+        task.ending = Ending::No;
         self.changes += 1;
+        self.broadcast(Signal::Task(TaskVerb::Abort, id));
         true
+    }
+
+    /// Asks a task to end: its condition handlers see that, and may refuse. Whether it was alive.
+    pub(crate) fn request_end(&mut self, id: TaskId, host: &mut dyn Host) -> bool {
+        match self.by_id.get_mut(&id) {
+            Some(task) if is_alive(&task.state) && task.sees_its_end() => {
+                task.ending = Ending::Requested;
+                task.scan_now = true;
+                self.changes += 1;
+                self.broadcast(Signal::Task(TaskVerb::Abort, id));
+                true
+            }
+            Some(_) | None => self.end(id, host),
+        }
+    }
+
+    /// Tells every task but the one that runs what happened.
+    pub(crate) fn broadcast(&mut self, signal: Signal) {
+        for (id, task) in &mut self.by_id {
+            task.signal(signal);
+            // What happens to a task itself is seen before it does anything else.
+            let own = matches!(signal, Signal::Task(_, of) if of == *id);
+            task.scan_now |= own && task.has_enabled_handlers() && is_alive(&task.state);
+        }
     }
 
     /// Pauses a task that is alive. Whether that changed anything.
@@ -101,6 +114,9 @@ impl Tasks {
             .filter(|task| is_alive(&task.state) && !task.paused)
             .map(|task| task.paused = true);
         self.changes += u64::from(changed.is_some());
+        if changed.is_some() {
+            self.broadcast(Signal::Task(TaskVerb::Pause, id));
+        }
         changed.is_some()
     }
 
@@ -112,6 +128,9 @@ impl Tasks {
             .filter(|task| task.paused)
             .map(|task| task.paused = false);
         self.changes += u64::from(changed.is_some());
+        if changed.is_some() {
+            self.broadcast(Signal::Task(TaskVerb::Continue, id));
+        }
         changed.is_some()
     }
 

@@ -61,7 +61,7 @@ impl Exec<'_> {
             Instruction::Run(name) => self.tp_run(name),
             Instruction::Move(motion) => self.tp_move(motion),
             Instruction::End => Ok(self.end_program()),
-            Instruction::Abort => Ok(Flow::Ended),
+            Instruction::Abort => Ok(self.end_task()),
         }
     }
 

@@ -88,9 +88,11 @@ impl Exec<'_> {
                 operand,
                 until,
             } => (item, operand, until),
-            Pending::None | Pending::Until(_) | Pending::Motion(_) | Pending::Deadline(_) => {
-                (0, 1, self.deadline(file))
-            }
+            Pending::None
+            | Pending::Until(_)
+            | Pending::Motion(_)
+            | Pending::Deadline(_)
+            | Pending::Paused => (0, 1, self.deadline(file)),
         };
         file.status = 0;
         while let Some(part) = shape.items.get(item) {

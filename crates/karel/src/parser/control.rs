@@ -130,14 +130,19 @@ impl Parser<'_> {
     }
 
     /// A block inside a statement that is closed by one of `closers`.
-    fn inner_block(&mut self, closers: &'static [Keyword]) -> Vec<Stmt> {
+    pub(super) fn inner_block(&mut self, closers: &'static [Keyword]) -> Vec<Stmt> {
         self.open_blocks.push(closers);
         let stmts = self.block();
         let _ = self.open_blocks.pop();
         stmts
     }
 
-    fn expect_closer(&mut self, closer: Keyword, opener: Span, what: &str) -> Parsed<()> {
+    pub(super) fn expect_closer(
+        &mut self,
+        closer: Keyword,
+        opener: Span,
+        what: &str,
+    ) -> Parsed<()> {
         if self.eat_keyword(closer) {
             return Ok(());
         }
@@ -155,7 +160,11 @@ impl Parser<'_> {
     }
 
     /// The head of a block: on an error, goes on behind `word` so that the block is still parsed.
-    fn head(&mut self, word: Keyword, parse: impl FnOnce(&mut Self) -> Parsed<Expr>) -> Expr {
+    pub(super) fn head(
+        &mut self,
+        word: Keyword,
+        parse: impl FnOnce(&mut Self) -> Parsed<Expr>,
+    ) -> Expr {
         let start = self.peek().span;
         let head = parse(self).and_then(|expr| self.expect_keyword(word).map(|_| expr));
         head.unwrap_or_else(|Reported| {

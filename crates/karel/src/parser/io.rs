@@ -2,7 +2,7 @@
 
 use super::{Parsed, Parser, Reported};
 use crate::{
-    ast::{Item, ItemKind, StmtKind, Waits},
+    ast::{HandVerb, Item, ItemKind, MotionVerb, StmtKind, Waits},
     token::{Keyword, Symbol, TokenKind},
 };
 
@@ -58,7 +58,7 @@ impl Parser<'_> {
     pub(super) fn open_statement(&mut self) -> Parsed<StmtKind> {
         self.position += 1;
         if self.at_word("HAND") {
-            return Ok(self.unsupported_line("OPEN HAND"));
+            return self.hand_statement(HandVerb::Open);
         }
         self.expect_word("FILE")?;
         let file = self.path()?;
@@ -73,7 +73,7 @@ impl Parser<'_> {
     pub(super) fn close_statement(&mut self) -> Parsed<StmtKind> {
         self.position += 1;
         if self.at_word("HAND") {
-            return Ok(self.unsupported_line("CLOSE HAND"));
+            return self.hand_statement(HandVerb::Close);
         }
         self.expect_word("FILE")?;
         Ok(StmtKind::CloseFile(self.path()?))
@@ -85,10 +85,8 @@ impl Parser<'_> {
             self.position += 1;
             return Ok(StmtKind::CancelFile(self.path()?));
         }
-        if self.at_separator() || self.peek().kind == TokenKind::EndOfFile {
-            return Ok(StmtKind::CancelMotion);
-        }
-        Ok(self.unsupported_line("CANCEL of a group"))
+        self.groups()?;
+        Ok(StmtKind::Motion(MotionVerb::Cancel))
     }
 
     pub(super) fn move_statement(&mut self) -> Parsed<StmtKind> {
@@ -110,17 +108,16 @@ impl Parser<'_> {
         if self.at_word("VIA") {
             return Ok(self.unsupported_line("MOVE TO .. VIA"));
         }
-        if self.eat_symbol(Symbol::Comma) {
-            return Ok(if self.at_word("WHEN") {
-                self.unsupported_until("MOVE TO with WHEN", Keyword::EndMove)
-            } else {
-                self.unsupported_line("MOVE TO with UNTIL")
-            });
-        }
-        Ok(StmtKind::MoveTo { target, waits })
+        let (whens, until) = self.move_clauses()?;
+        Ok(StmtKind::MoveTo {
+            target,
+            waits,
+            whens,
+            until,
+        })
     }
 
-    fn at_word(&self, word: &str) -> bool {
+    pub(super) fn at_word(&self, word: &str) -> bool {
         let token = self.peek();
         token.kind == TokenKind::Name
             && self
@@ -129,7 +126,7 @@ impl Parser<'_> {
                 .eq_ignore_ascii_case(word.as_bytes())
     }
 
-    fn expect_word(&mut self, word: &str) -> Parsed<()> {
+    pub(super) fn expect_word(&mut self, word: &str) -> Parsed<()> {
         if self.at_word(word) {
             self.position += 1;
             return Ok(());

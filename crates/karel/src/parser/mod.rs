@@ -4,12 +4,14 @@
 //! statement separator and goes on, so that one run reports as much as possible. Nesting is
 //! limited, so no input can exhaust the stack.
 
+mod condition;
 mod control;
 mod decl;
 mod expr;
 mod include;
 mod io;
 mod stmt;
+mod word;
 
 use crate::{
     ast::{Name, Program},

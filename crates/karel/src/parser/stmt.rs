@@ -2,44 +2,9 @@
 
 use super::{Parsed, Parser, Reported};
 use crate::{
-    ast::{Stmt, StmtKind},
+    ast::{Stmt, StmtKind, TaskVerb},
     token::{Keyword, Symbol, TokenKind},
 };
-
-/// First words of statements that are KAREL and not run yet.
-const NOT_YET: &[&str] = &[
-    "ATTACH",
-    "CONTINUE",
-    "DISABLE",
-    "ENABLE",
-    "HOLD",
-    "NOABORT",
-    "NOMESSAGE",
-    "NOPAUSE",
-    "PAUSE",
-    "PULSE",
-    "PURGE",
-    "RELAX",
-    "RELEASE",
-    "RESTORE",
-    "RESUME",
-    "SIGNAL",
-    "STOP",
-    "UNHOLD",
-    "UNPAUSE",
-];
-
-/// First words of conditions that are events.
-const EVENTS: &[&str] = &[
-    "AT",
-    "CONTINUE",
-    "ERROR",
-    "EVENT",
-    "PAUSE",
-    "POWERUP",
-    "SEMAPHORE",
-    "TIME",
-];
 
 impl Parser<'_> {
     /// Statements up to a word that closes a block; that word stays for the caller.
@@ -126,16 +91,9 @@ impl Parser<'_> {
                     StmtKind::Delay(self.expression()?)
                 }
                 Keyword::Move => self.move_statement()?,
-                Keyword::Abort => {
-                    self.position += 1;
-                    if self.at_separator() {
-                        StmtKind::Abort
-                    } else {
-                        self.unsupported_line("ABORT PROGRAM")
-                    }
-                }
+                Keyword::Abort => self.task_statement(TaskVerb::Abort)?,
                 Keyword::Wait => self.wait_statement()?,
-                Keyword::Condition => self.unsupported_until("CONDITION", Keyword::EndCondition),
+                Keyword::Condition => self.condition_statement()?,
                 Keyword::Using => self.using_statement()?,
                 _ => return Err(self.expected("a statement")),
             },
@@ -145,24 +103,6 @@ impl Parser<'_> {
             kind,
             span: start.to(self.previous_span()),
         })
-    }
-
-    /// `WAIT FOR a, b`; events are KAREL and not run yet.
-    fn wait_statement(&mut self) -> Parsed<StmtKind> {
-        self.position += 1;
-        let _ = self.expect_keyword(Keyword::For)?;
-        let mut conditions = Vec::new();
-        loop {
-            let token = self.peek();
-            let word = self.name_of(token.span).text;
-            if self.at_keyword(Keyword::Abort) || EVENTS.contains(&word.as_str()) {
-                return Ok(self.unsupported_line(&format!("WAIT FOR {word}")));
-            }
-            conditions.push(self.expression()?);
-            if !self.eat_symbol(Symbol::Comma) {
-                return Ok(StmtKind::WaitFor(conditions));
-            }
-        }
     }
 
     fn name_statement(&mut self) -> Parsed<StmtKind> {
@@ -178,8 +118,8 @@ impl Parser<'_> {
                 Symbol::Equal | Symbol::Dot | Symbol::LeftBracket | Symbol::LeftParen
             )
         );
-        if !is_variable && NOT_YET.contains(&name.text.as_str()) {
-            return Ok(self.unsupported_line(&name.text));
+        if !is_variable && let Some(kind) = self.word_statement(&name)? {
+            return Ok(kind);
         }
         if !is_variable && matches!(name.text.as_str(), "CONNECT" | "DISCONNECT") {
             return self.timer_statement(name.text == "CONNECT");
@@ -252,17 +192,6 @@ impl Parser<'_> {
         self.skip_to_separator();
         StmtKind::Unsupported(what.to_owned())
     }
-
-    pub(super) fn unsupported_until(&mut self, what: &str, closer: Keyword) -> StmtKind {
-        while !self.at_keyword(closer)
-            && !self.at_keyword(Keyword::End)
-            && self.peek().kind != TokenKind::EndOfFile
-        {
-            self.position += 1;
-        }
-        let _ = self.eat_keyword(closer);
-        StmtKind::Unsupported(what.to_owned())
-    }
 }
 
 /// Words that end a list of statements.
@@ -281,5 +210,6 @@ fn closes_block(keyword: Keyword) -> bool {
             | Keyword::EndWhile
             | Keyword::Routine
             | Keyword::Until
+            | Keyword::When
     )
 }

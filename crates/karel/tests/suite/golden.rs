@@ -3,7 +3,7 @@
 //! A program that has errors gives its diagnostics; one whose first line is `-- golden: tree`
 //! gives its tree; any other is run, and gives its warnings and its trace. Lines that start with
 //! `-->` are the script: `connect`, `send TEXT` (`\n`, `\r` as such), `silence`, `close`, `fail-connect N`,
-//! `fail-motion N`; `load FILE` loads one more program before. Those, and files for `%INCLUDE`, are
+//! `fail-motion N`, `abort`, `pause`, `continue` by the operator; `load FILE` loads one more program before. Those, and files for `%INCLUDE`, are
 //! in `tests/cases/more`. Every case gives the same with CRLF line ends. `UPDATE_GOLDEN=1` rewrites.
 
 use std::{
@@ -136,6 +136,9 @@ fn event(line: &str) -> Event {
         "connect" => Event::Connect,
         "close" => Event::Close,
         "silence" => Event::Silence,
+        "abort" => Event::Abort,
+        "pause" => Event::Pause,
+        "continue" => Event::Continue,
         "send" => Event::Send(rest.replace("\\n", "\n").replace("\\r", "\r").into_bytes()),
         "fail-connect" => Event::FailConnect(rest.parse().unwrap()),
         "fail-motion" => Event::FailMotion(rest.parse().unwrap()),

@@ -6,9 +6,9 @@ use std::{
 };
 
 use karel::{
-    FileId, Host, Input, InputEnd, JointPosition, Limits, Machine, MotionId, MotionRequest,
-    MoveEnd, OpenMode, Port, PortValue, Position, Program, Progress, Run, RuntimeError, Status,
-    SysPath, SysValue, TaskId, Text, Value, Wait, Xyzwpr, XyzwprExt,
+    AlarmView, FileId, HandAction, Host, Input, InputEnd, JointPosition, Limits, Machine, MotionId,
+    MotionRequest, MoveEnd, OpenMode, Port, PortValue, Position, Program, Progress, Run,
+    RuntimeError, Status, SysPath, SysValue, TaskId, Text, Value, Wait, Xyzwpr, XyzwprExt,
 };
 
 /// What the world does, in this order; each is done when the program waits for it.
@@ -22,6 +22,12 @@ pub(crate) enum Event {
     Silence,
     /// It closes its side.
     Close,
+    /// The operator aborts the task.
+    Abort,
+    /// The operator pauses the task.
+    Pause,
+    /// The operator continues the task.
+    Continue,
     /// A `MSG_CONNECT` that fails with this status.
     FailConnect(i32),
     /// The motion queue refuses with this status.
@@ -297,6 +303,38 @@ impl Host for ScriptedHost {
 
     fn cancel_arm(&mut self, _: TaskId) {
         self.note("cancel motion");
+        self.moving = None;
+    }
+
+    fn hold_arm(&mut self, _: TaskId) {
+        self.note("hold motion");
+    }
+
+    fn resume_arm(&mut self, _: TaskId) {
+        self.note("resume motion");
+    }
+
+    /// Two hands.
+    fn hand(&mut self, _: TaskId, action: HandAction, number: i32) -> Result<(), Status> {
+        if !(1..=2).contains(&number) {
+            return Err(Status::PRIO_PORT_NUMBER);
+        }
+        self.note(&format!("{action:?} hand {number}"));
+        Ok(())
+    }
+
+    fn alarm(&self, newest: i32) -> Option<AlarmView> {
+        let count = i32::try_from(self.alarms.len()).unwrap();
+        let seq = newest.min(count);
+        let index = usize::try_from(seq).ok()?.checked_sub(1)?;
+        let alarm = self.alarms.get(index)?;
+        Some(AlarmView {
+            seq,
+            code: alarm.status.0,
+            message: alarm.message.clone(),
+            severity: 2,
+            program: alarm.program.to_string(),
+        })
     }
 
     fn current_joints(&mut self, _: TaskId, _: i32) -> Result<JointPosition, Status> {
@@ -391,16 +429,61 @@ pub(crate) fn machine_with(source: &[u8], file: &str) -> (Machine, TaskId) {
     (machine, task)
 }
 
+/// What the script lets the operator do now.
+fn operate(machine: &mut Machine, task: TaskId, host: &mut ScriptedHost, wait: &Wait) -> bool {
+    match host.script.front() {
+        Some(Event::Abort) => {
+            host.note("the operator aborts");
+            machine.request_abort(task, host);
+        }
+        Some(Event::Pause) => {
+            host.note("the operator pauses");
+            let _changed = machine.pause(task);
+        }
+        Some(Event::Continue) if *wait == Wait::Continue => {
+            host.note("the operator continues");
+            let _changed = machine.resume(task);
+        }
+        _ => return false,
+    }
+    let _done = host.script.pop_front();
+    true
+}
+
 /// Runs a task until it ends or waits for what the script does not have; notes the end.
 pub(crate) fn run(machine: &mut Machine, task: TaskId, host: &mut ScriptedHost) {
+    let mut idle = 0;
     for _ in 0..10_000 {
-        match machine.run(task, 1_000, host).run {
+        let slice = machine.run(task, 1_000, host);
+        match slice.run {
             Run::OutOfFuel => {}
             Run::Blocked(wait) => {
-                if !host.satisfy(&wait) {
+                if operate(machine, task, host, &wait) {
+                    continue;
+                }
+                let until = if let Wait::Until(until) = wait {
+                    until
+                } else {
+                    Duration::MAX
+                };
+                // Conditions are looked at while the task waits.
+                let wake = [slice.wake_by, machine.next_due()];
+                let wake = wake.into_iter().flatten().min().filter(|by| *by < until);
+                let satisfied = match wake {
+                    Some(by) if until < Duration::MAX => host.satisfy(&Wait::Until(by)),
+                    Some(by) => {
+                        idle += 1;
+                        let moves = matches!(wait, Wait::Motion(_)) && idle % 4 != 0;
+                        (!moves && host.satisfy(&wait))
+                            || (idle < 50 && host.satisfy(&Wait::Until(by)))
+                    }
+                    None => host.satisfy(&wait),
+                };
+                if !satisfied {
                     host.note(&format!("waits for {wait:?}"));
                     return;
                 }
+                machine.follow(host);
             }
             Run::Ended => return host.note("end"),
             Run::Aborted(error) => {

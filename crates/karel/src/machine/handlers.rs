@@ -1,0 +1,616 @@
+//! Condition handlers: looking at conditions between slices, and running actions as interruptions.
+//!
+//! Time passes only between slices, so looking at the start of each is exact. What conditions ask
+//! for and what only lasts a moment (events, errors, aborts) is kept as numbered signals.
+
+use std::time::Duration;
+
+use super::{
+    cell::Cell,
+    exec::{Exec, Flow, Stop, row_of},
+    fault::Fault,
+    pulse::Pulses,
+    runtime_error,
+    task::{Caller, Ending, Handler, HandlerKind, Pending, Signal, WhenState},
+};
+use crate::{
+    ast::{Action, ConditionVerb, Edge, HandVerb, MotionVerb, Signaled, TaskVerb, Waits},
+    host::{HandAction, MotionId, Progress, TaskId, Wait},
+    ir::{Op, Outward, SignalTest, WhenShape},
+    port::{Port, PortValue},
+    status::Status,
+};
+
+/// Highest number of a condition handler, and most of them in a task.
+///
+/// ASSUMPTION: from descriptions of the language.
+const MAX_CONDITION: i32 = 1000;
+
+/// Instructions of one condition, which has no loops.
+const MAX_STEPS: u32 = 100_000;
+
+/// Alarms that one look turns into signals; older ones are missed.
+const MAX_ALARMS: i32 = 32;
+
+impl Exec<'_> {
+    /// Executes at most `fuel` instructions, with condition handlers.
+    pub(super) fn slice(&mut self, fuel: u32) -> (Stop, u32) {
+        let mut used = 0;
+        loop {
+            let looked = if self.task.handlers.is_empty() {
+                Ok(())
+            } else {
+                self.look()
+            };
+            if let Err(fault) = looked
+                && let Some(stop) = self.fail(fault)
+            {
+                return (stop, used);
+            }
+            if !self.task.interrupted {
+                if let Some(stop) = self.end_if_it_must() {
+                    return (stop, used);
+                }
+                if self.task.paused {
+                    return (Stop::Blocked(Wait::Continue), used);
+                }
+            }
+            let (stop, more) = self.run(fuel - used);
+            used += more;
+            match stop {
+                Stop::Failed(fault) => {
+                    if let Some(stop) = self.fail(fault) {
+                        return (stop, used);
+                    }
+                }
+                Stop::Yield => {}
+                Stop::OutOfFuel | Stop::Blocked(_) | Stop::Ended | Stop::Aborted(_) => {
+                    return (stop, used);
+                }
+            }
+            if used >= fuel {
+                return (Stop::OutOfFuel, used);
+            }
+        }
+    }
+
+    /// The end that was put off until the handlers have seen it.
+    fn end_if_it_must(&mut self) -> Option<Stop> {
+        if self.task.scan_now || !self.task.triggered.is_empty() {
+            return None;
+        }
+        match std::mem::take(&mut self.task.ending) {
+            Ending::No => None,
+            Ending::Requested | Ending::Own => {
+                self.close_locals(0);
+                Some(Stop::Ended)
+            }
+            Ending::Failed(error) => Some(Stop::Aborted(*error)),
+        }
+    }
+
+    /// Posts an error. The task ends, at once or when its handlers have seen that.
+    ///
+    /// ASSUMPTION: a run-time error cannot be taken back by NOABORT: the statement is not done.
+    fn fail(&mut self, fault: Fault) -> Option<Stop> {
+        let error = runtime_error(fault, self.task, self.programs);
+        self.host.post_alarm(self.id, &error);
+        if self.task.sees_its_end() {
+            self.task.ending = Ending::Failed(Box::new(error));
+            self.task.scan_now = true;
+            self.task.signal(Signal::Task(TaskVerb::Abort, self.id));
+            return None;
+        }
+        if let Ending::Failed(first) = std::mem::take(&mut self.task.ending) {
+            return Some(Stop::Aborted(*first));
+        }
+        Some(Stop::Aborted(error))
+    }
+
+    /// Looks at the conditions that are due, and begins the actions of one that holds.
+    ///
+    /// ASSUMPTION: while actions run no conditions are looked at.
+    fn look(&mut self) -> Result<(), Fault> {
+        if self.task.interrupted {
+            return Ok(());
+        }
+        let now = self.host.now();
+        let everything = std::mem::take(&mut self.task.scan_now);
+        self.drop_local_ones();
+        if self.task.triggered.is_empty() {
+            let due = |handler: &Handler| handler.enabled && (everything || handler.next <= now);
+            if self.task.handlers.iter().any(due) {
+                self.hear_alarms();
+            }
+            for index in 0..self.task.handlers.len() {
+                if self.task.handlers.get(index).is_some_and(due) {
+                    self.look_at(index, now)?;
+                }
+            }
+        }
+        match self.task.triggered.pop_front() {
+            Some((program, routine)) => self.interrupt(program, routine),
+            None => Ok(()),
+        }
+    }
+
+    /// Local conditions end with their motion; a MOVE that waits for it ends them itself.
+    fn drop_local_ones(&mut self) {
+        let host = &mut *self.host;
+        let awaited = if let Pending::Motion(motion) = self.task.pending {
+            Some(motion)
+        } else {
+            None
+        };
+        self.task.handlers.retain(|handler| match handler.kind {
+            HandlerKind::Local(Some(motion)) if Some(motion) != awaited => {
+                matches!(host.motion_ended(motion), Progress::Pending(_))
+            }
+            HandlerKind::Global(_) | HandlerKind::Local(_) => true,
+        });
+    }
+
+    /// ASSUMPTION: a handler of which one WHEN holds is disabled as a whole; of a MOVE, each WHEN
+    /// acts once.
+    fn look_at(&mut self, index: usize, now: Duration) -> Result<(), Fault> {
+        let Some(handler) = self.task.handlers.get_mut(index) else {
+            return Ok(());
+        };
+        handler.next = now.saturating_add(handler.period);
+        let (program, mark, kind) = (handler.program, handler.mark, handler.kind);
+        let mut whens = std::mem::take(&mut handler.whens);
+        let before = std::mem::replace(&mut self.task.mark, mark);
+        let mut result = Ok(());
+        let mut fires = false;
+        for when in whens.iter_mut().filter(|when| !when.fired) {
+            std::mem::swap(&mut self.task.edges, &mut when.edges);
+            let holds = self.holds(program, when.condition);
+            std::mem::swap(&mut self.task.edges, &mut when.edges);
+            match holds {
+                Ok(true) => {
+                    fires = true;
+                    when.fired = matches!(kind, HandlerKind::Local(_));
+                    self.task.triggered.push_back((program, when.actions));
+                }
+                Ok(false) => {}
+                Err(fault) => {
+                    result = Err(fault);
+                    break;
+                }
+            }
+        }
+        self.task.mark = before;
+        let seen = self.task.signals.now();
+        if let Some(handler) = self.task.handlers.get_mut(index) {
+            handler.whens = whens;
+            handler.mark = seen;
+            if result.is_err() || (fires && matches!(kind, HandlerKind::Global(_))) {
+                handler.enabled = false;
+            }
+        }
+        result
+    }
+
+    /// Executes the code of a condition beside what the task does. After an error the task stays
+    /// there, so that the error has the place of the condition.
+    fn holds(&mut self, program: usize, routine: u32) -> Result<bool, Fault> {
+        let here = (
+            self.task.program,
+            self.task.routine,
+            self.task.pc,
+            self.task.base,
+        );
+        let operands = self.task.operands.len();
+        let frames = self.task.frames.len();
+        let pending = std::mem::take(&mut self.task.pending);
+        self.switch_program(program);
+        let code = row_of(&self.program.code.routines, routine);
+        let cells = frames + code.frame_cells as usize;
+        if cells > self.limits.stack_cells {
+            return Err(Fault::new(Status::INTP_STACK_OVERFLOW, "Stack overflow"));
+        }
+        self.task.routine = routine;
+        self.task.pc = code.entry as usize;
+        self.task.frames.resize(cells, Cell::Uninit);
+        self.task.base = frames;
+        let result = self.condition_value()?;
+        self.task.operands.truncate(operands);
+        self.task.frames.truncate(frames);
+        self.task.pending = pending;
+        let (program, routine, pc, base) = here;
+        self.switch_program(program);
+        self.task.routine = routine;
+        self.task.pc = pc;
+        self.task.base = base;
+        Ok(result)
+    }
+
+    fn condition_value(&mut self) -> Result<bool, Fault> {
+        for _ in 0..MAX_STEPS {
+            let op = *row_of(&self.program.code.ops, pc_row(self.task.pc));
+            if op == Op::Outward(Outward::ConditionEnd) {
+                return Ok(self.pop_boolean());
+            }
+            match self.single(op)? {
+                Flow::Next => self.task.pc += 1,
+                Flow::Jumped => {}
+                // What has to wait does not hold now.
+                Flow::Blocked(_) | Flow::Yield | Flow::Ended => return Ok(false),
+            }
+        }
+        Ok(false)
+    }
+
+    /// Begins actions; the task goes on with the same instruction when they end.
+    fn interrupt(&mut self, program: usize, routine: u32) -> Result<(), Fault> {
+        let loaded = self.programs.get(program);
+        let loaded = loaded.expect("programs are never unloaded");
+        let code = row_of(&loaded.program.code.routines, routine);
+        let base = self.task.frames.len();
+        let cells = base + code.frame_cells as usize;
+        if self.task.callers.len() >= self.limits.call_depth || cells > self.limits.stack_cells {
+            return Err(Fault::new(Status::INTP_STACK_OVERFLOW, "Stack overflow"));
+        }
+        self.task.callers.push(Caller {
+            program: self.task.program,
+            routine: self.task.routine,
+            pc: self.task.pc,
+            base: self.task.base,
+            interrupted: Some(Box::new(std::mem::take(&mut self.task.pending))),
+        });
+        self.task.frames.resize(cells, Cell::Uninit);
+        self.task.base = base;
+        self.task.routine = routine;
+        self.task.pc = code.entry as usize;
+        self.task.interrupted = true;
+        self.switch_program(program);
+        Ok(())
+    }
+
+    /// Alarms that are new since the last look become signals.
+    pub(super) fn hear_alarms(&mut self) {
+        if !self.task.listens && self.task.handlers.is_empty() {
+            return;
+        }
+        let Some(newest) = self.host.alarm(i32::MAX).map(|alarm| alarm.seq) else {
+            return;
+        };
+        let first = self.task.last_alarm.saturating_add(1);
+        for seq in first.max(newest.saturating_sub(MAX_ALARMS - 1))..=newest {
+            if let Some(alarm) = self.host.alarm(seq)
+                && alarm.seq == seq
+            {
+                self.task.signal(Signal::Error(alarm.code));
+            }
+        }
+        self.task.last_alarm = newest.max(self.task.last_alarm);
+    }
+
+    fn forget_alarms(&mut self) {
+        let newest = self.host.alarm(i32::MAX).map_or(0, |alarm| alarm.seq);
+        self.task.last_alarm = newest.max(self.task.last_alarm);
+    }
+
+    /// Defines a handler, disabled; one of the same number is replaced.
+    pub(super) fn define_condition(&mut self, row: u32) -> Result<Flow, Fault> {
+        let (milliseconds, number) = (self.pop_integer(), self.pop_integer());
+        check_number(number)?;
+        let Ok(milliseconds) = u64::try_from(milliseconds) else {
+            let message = format!("$SCAN_TIME of {milliseconds} ms, less than 0");
+            return Err(Fault::argument(message));
+        };
+        let period = if milliseconds == 0 {
+            self.scan_period()
+        } else {
+            Duration::from_millis(milliseconds)
+        };
+        let kind = HandlerKind::Global(number);
+        self.task.handlers.retain(|handler| handler.kind != kind);
+        self.define(kind, row, period);
+        Ok(Flow::Next)
+    }
+
+    /// The handler of the MOVE that follows.
+    pub(super) fn define_local(&mut self, row: u32) -> Flow {
+        let kind = HandlerKind::Local(None);
+        // Of a MOVE that was refused before.
+        self.task.handlers.retain(|handler| handler.kind != kind);
+        let period = self.scan_period();
+        self.define(kind, row, period);
+        Flow::Next
+    }
+
+    fn define(&mut self, kind: HandlerKind, row: u32, period: Duration) {
+        let program = self.program;
+        let shape = row_of(&program.code.handlers, row);
+        let when = |shape: &WhenShape| WhenState {
+            condition: shape.condition,
+            actions: shape.actions,
+            edges: vec![None; shape.edges as usize],
+            fired: false,
+        };
+        self.task.handlers.push(Handler {
+            kind,
+            program: self.task.program,
+            enabled: false,
+            whens: shape.whens.iter().map(when).collect(),
+            period,
+            next: Duration::ZERO,
+            mark: 0,
+        });
+    }
+
+    /// The motion of a MOVE with conditions has started.
+    pub(super) fn local_starts(&mut self, motion: MotionId) -> bool {
+        let is_there = self.enable(HandlerKind::Local(None));
+        let handlers = self.task.handlers.iter_mut();
+        for handler in handlers.filter(|handler| handler.kind == HandlerKind::Local(None)) {
+            handler.kind = HandlerKind::Local(Some(motion));
+        }
+        is_there
+    }
+
+    pub(super) fn local_ends(&mut self, motion: MotionId) {
+        let kind = HandlerKind::Local(Some(motion));
+        self.task.handlers.retain(|handler| handler.kind != kind);
+    }
+
+    fn enable(&mut self, kind: HandlerKind) -> bool {
+        if self.task.handlers.is_empty() {
+            return false;
+        }
+        if !self.task.has_enabled_handlers() {
+            self.forget_alarms();
+        }
+        let (now, mark) = (self.host.now(), self.task.signals.now());
+        let mut handlers = self.task.handlers.iter_mut();
+        let Some(handler) = handlers.find(|handler| handler.kind == kind) else {
+            return false;
+        };
+        if !handler.enabled {
+            handler.enabled = true;
+            handler.next = now;
+            handler.mark = mark;
+            for when in &mut handler.whens {
+                when.edges.fill(None);
+            }
+        }
+        true
+    }
+
+    pub(super) fn condition_state(&mut self, verb: ConditionVerb) -> Result<Flow, Fault> {
+        let number = self.pop_integer();
+        check_number(number)?;
+        let kind = HandlerKind::Global(number);
+        let found = match verb {
+            ConditionVerb::Enable => self.enable(kind),
+            ConditionVerb::Disable => {
+                let mut handlers = self.task.handlers.iter_mut();
+                let found = handlers.find(|handler| handler.kind == kind);
+                found.map(|handler| handler.enabled = false).is_some()
+            }
+            ConditionVerb::Purge => {
+                let before = self.task.handlers.len();
+                self.task.handlers.retain(|handler| handler.kind != kind);
+                self.task.handlers.len() < before
+            }
+        };
+        if found {
+            // It is looked at as soon as this statement is done.
+            self.task.pc += 1;
+            return Ok(Flow::Yield);
+        }
+        let what = verb.text();
+        Err(Fault::argument(format!(
+            "{what} CONDITION[{number}], which is not defined"
+        )))
+    }
+
+    pub(super) fn wait_begin(&mut self) -> Flow {
+        self.task.listens = true;
+        self.forget_alarms();
+        self.task.mark = self.task.signals.now();
+        self.task.edges.clear();
+        Flow::Next
+    }
+
+    pub(super) fn signaled(&mut self, test: SignalTest) -> Flow {
+        let number = match test {
+            SignalTest::AnyError | SignalTest::Own(_) => 0,
+            SignalTest::Event | SignalTest::Semaphore | SignalTest::Error | SignalTest::Of(_) => {
+                self.pop_integer()
+            }
+        };
+        let holds = if test == SignalTest::Semaphore {
+            // ASSUMPTION: it holds while the count is above 0, and takes nothing from it.
+            self.semaphores
+                .count(number)
+                .is_some_and(|count| *count > 0)
+        } else {
+            let own = self.id;
+            let mut signals = self.task.signals.since(self.task.mark);
+            signals.any(|signal| match (signal, test) {
+                (Signal::Event(event), SignalTest::Event) => event == number,
+                (Signal::Error(code), SignalTest::Error) => code == number,
+                (Signal::Error(_), SignalTest::AnyError) => true,
+                (Signal::Task(verb, task), SignalTest::Own(wanted)) => {
+                    verb == wanted && task == own
+                }
+                (Signal::Task(verb, task), SignalTest::Of(wanted)) => {
+                    verb == wanted && u32::try_from(number).is_ok_and(|number| task.0 == number)
+                }
+                _ => false,
+            })
+        };
+        self.push(Cell::Boolean(holds));
+        Flow::Next
+    }
+
+    pub(super) fn edge(&mut self, slot: u32, edge: Edge) -> Flow {
+        let now = self.pop_boolean();
+        let slot = slot as usize;
+        let edges = &mut self.task.edges;
+        if edges.len() <= slot {
+            edges.resize(slot + 1, None);
+        }
+        let before = edges.get_mut(slot).and_then(|seen| seen.replace(now));
+        let wanted = edge == Edge::Rising;
+        self.push(Cell::Boolean(now == wanted && before == Some(!wanted)));
+        Flow::Next
+    }
+
+    pub(super) fn action(&mut self, action: Action) -> Flow {
+        match action {
+            Action::NoAbort => {
+                if matches!(self.task.ending, Ending::Requested) {
+                    self.task.ending = Ending::No;
+                }
+            }
+            Action::NoPause => self.task.paused = false,
+            Action::Unpause => self.task.unpaused = true,
+            // ASSUMPTION: messages and what was stopped are the operator's; both change nothing.
+            Action::NoMessage | Action::Restore => {}
+        }
+        Flow::Next
+    }
+
+    pub(super) fn action_gate(&mut self) -> Flow {
+        if self.task.paused && !self.task.unpaused {
+            return Flow::Blocked(Wait::Continue);
+        }
+        Flow::Next
+    }
+
+    pub(super) fn signal(&mut self, what: Signaled) -> Result<Flow, Fault> {
+        let number = self.pop_integer();
+        match what {
+            Signaled::Event => {
+                let signal = Signal::Event(number);
+                self.others.broadcast(signal);
+                self.task.signal(signal);
+                self.task.scan_now = !self.task.handlers.is_empty();
+            }
+            Signaled::Semaphore => {
+                let Some(count) = self.semaphores.count(number) else {
+                    return Err(Fault::argument(format!("There is no semaphore {number}")));
+                };
+                *count = count.saturating_add(1);
+            }
+        }
+        self.task.pc += 1;
+        Ok(Flow::Yield)
+    }
+
+    /// A task's number, or 0 for the own one. A task that is not there is left alone.
+    pub(super) fn task_verb(&mut self, verb: TaskVerb) -> Flow {
+        let number = self.operand(0).expect_integer();
+        let other = TaskId(u32::try_from(number).unwrap_or(u32::MAX));
+        if number != 0 && other != self.id {
+            self.drop_operands(1);
+            match verb {
+                TaskVerb::Abort => {
+                    let _was_alive = self.others.request_end(other, self.host);
+                }
+                TaskVerb::Pause => {
+                    let _changed = self.others.pause(other);
+                }
+                TaskVerb::Continue => {
+                    if self.others.resume(other) {
+                        self.host.continue_motions(other);
+                    }
+                }
+            }
+            return Flow::Next;
+        }
+        match verb {
+            TaskVerb::Abort => self.end_task(),
+            TaskVerb::Continue => {
+                self.drop_operands(1);
+                self.task.paused = false;
+                Flow::Next
+            }
+            TaskVerb::Pause if matches!(self.task.pending, Pending::Paused) => {
+                self.task.pending = Pending::None;
+                self.drop_operands(1);
+                Flow::Next
+            }
+            // ASSUMPTION: what moves goes on.
+            TaskVerb::Pause => {
+                self.task.pending = Pending::Paused;
+                self.task.paused = true;
+                let signal = Signal::Task(TaskVerb::Pause, self.id);
+                self.others.broadcast(signal);
+                self.task.signal(signal);
+                self.task.scan_now = !self.task.handlers.is_empty();
+                Flow::Yield
+            }
+        }
+    }
+
+    /// ASSUMPTION: STOP and HOLD both hold what moves, RESUME and UNHOLD let it go on; there is one
+    /// group and nobody else wants it, so ATTACH and RELEASE change nothing.
+    pub(super) fn motion_verb(&mut self, verb: MotionVerb) -> Flow {
+        match verb {
+            MotionVerb::Cancel => self.host.cancel_arm(self.id),
+            MotionVerb::Stop | MotionVerb::Hold => self.host.hold_arm(self.id),
+            MotionVerb::Resume | MotionVerb::Unhold => self.host.resume_arm(self.id),
+            MotionVerb::Attach | MotionVerb::Release => {}
+        }
+        Flow::Next
+    }
+
+    pub(super) fn hand(&mut self, verb: HandVerb) -> Result<Flow, Fault> {
+        let number = self.pop_integer();
+        let action = match verb {
+            HandVerb::Open => HandAction::Open,
+            HandVerb::Close => HandAction::Close,
+            HandVerb::Relax => HandAction::Relax,
+        };
+        let done = self.host.hand(self.id, action, number);
+        done.map_err(|status| Fault::new(status, format!("{} HAND {number} failed", verb.text())))?;
+        Ok(Flow::Next)
+    }
+
+    /// ASSUMPTION: the port is inverted for that time, so a port that is on gives a pulse of OFF.
+    pub(super) fn pulse(&mut self, port: Port, waits: Waits) -> Result<Flow, Fault> {
+        if let Some(flow) = self.pause_is_over() {
+            return Ok(flow);
+        }
+        let (milliseconds, number) = (self.pop_integer(), self.pop_integer());
+        let Ok(milliseconds) = u64::try_from(milliseconds) else {
+            let message = format!("PULSE of {milliseconds} ms, less than 0");
+            return Err(Fault::argument(message));
+        };
+        let illegal = |status| super::ports::illegal(status, port, number);
+        let before = self.host.port(port, number).map_err(illegal)?;
+        let on = matches!(before, PortValue::Switch(true));
+        let turned = PortValue::Switch(!on);
+        self.host
+            .set_port(self.id, port, number, turned)
+            .map_err(illegal)?;
+        let now = self.host.now();
+        let until = now.saturating_add(Duration::from_millis(milliseconds));
+        if !self.pulses.add(self.id, (port, number), before, until) {
+            let message = format!("More than {} pulses at a time", Pulses::MOST);
+            return Err(Fault::new(Status::INTP_LIMIT, message));
+        }
+        if waits == Waits::No {
+            return Ok(Flow::Next);
+        }
+        self.task.pending = Pending::Until(until);
+        Ok(Flow::Blocked(Wait::Until(until)))
+    }
+}
+
+fn check_number(number: i32) -> Result<(), Fault> {
+    if (1..=MAX_CONDITION).contains(&number) {
+        return Ok(());
+    }
+    Err(Fault::argument(format!(
+        "There is no CONDITION[{number}], the last is {MAX_CONDITION}"
+    )))
+}
+
+fn pc_row(pc: usize) -> u32 {
+    u32::try_from(pc).unwrap_or(u32::MAX)
+}
