@@ -4,8 +4,10 @@ use std::collections::BTreeMap;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::sync::Arc;
 
+use karel::ByteOrder;
 use kinematics::{ArmModel, PendantJoints};
 
+use crate::devices::{FileName, Folder};
 use crate::gripper::{GripperConfig, SharedWorkpieces, Workpieces};
 use crate::ports::PortCounts;
 
@@ -48,6 +50,30 @@ pub enum Exposure {
     Loopback,
     /// Any address: this is an unauthenticated motion server, and the log says so.
     AnyAddress,
+}
+
+/// Hosts that programs may connect to: this machine, and those that are listed. Nothing is looked up elsewhere.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Hosts(BTreeMap<String, IpAddr>);
+
+impl Hosts {
+    /// Permits a host by the name or address that programs have for it.
+    pub fn permit(&mut self, name: &str, address: IpAddr) {
+        let _before = self.0.insert(name.trim().to_ascii_lowercase(), address);
+    }
+
+    /// The address of a host that programs may connect to.
+    #[must_use]
+    pub fn find(&self, name: &str) -> Option<IpAddr> {
+        let name = name.trim().to_ascii_lowercase();
+        if let Some(address) = self.0.get(&name) {
+            return Some(*address);
+        }
+        if name == "localhost" {
+            return Some(IpAddr::V4(Ipv4Addr::LOCALHOST));
+        }
+        name.parse().ok().filter(IpAddr::is_loopback)
+    }
 }
 
 /// Bounds of one controller.
@@ -108,6 +134,14 @@ pub struct ControllerConfig {
     pub exposure: Exposure,
     /// Address of the panel, always loopback; `None` for no panel.
     pub panel: Option<SocketAddr>,
+    /// Files that are on the devices at power-on.
+    pub files: Vec<(FileName, Vec<u8>)>,
+    /// The folder that keeps what programs write, if it shall be kept.
+    pub folder: Option<Folder>,
+    /// Hosts that programs may connect to with client tags.
+    pub hosts: Hosts,
+    /// The order of bytes in binary files.
+    pub byte_order: ByteOrder,
     /// I/O ports.
     pub ports: PortCounts,
     /// Numbers of the registers in which TP programs find epoch and number of the command they carry out, for the
@@ -137,6 +171,10 @@ impl ControllerConfig {
             ip: IpAddr::V4(Ipv4Addr::LOCALHOST),
             exposure: Exposure::default(),
             panel: None,
+            files: Vec::new(),
+            folder: None,
+            hosts: Hosts::default(),
+            byte_order: ByteOrder::default(),
             ports: PortCounts::default(),
             command_registers: None,
             gripper: None,

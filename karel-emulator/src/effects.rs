@@ -2,54 +2,81 @@
 
 use std::net::SocketAddr;
 
+use crate::devices::FileName;
+
 /// A TCP connection, named by whoever accepted it. Never reused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ConnectionId(pub u64);
 
-/// A server tag, `S1:` to `S8:`.
+/// A server tag, `S1:` to `S8:`, or a client tag, `C1:` to `C8:`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Tag(u8);
 
 impl Tag {
-    /// How many server tags a controller has.
+    /// How many server tags a controller has, and how many client tags.
     pub const COUNT: u8 = 8;
 
-    /// The tag with this number, 1 to 8.
+    /// The server tag with this number, 1 to 8.
     #[must_use]
     pub fn try_new(number: u8) -> Option<Self> {
         (1..=Self::COUNT).contains(&number).then_some(Self(number))
     }
 
-    /// Reads `S3`, `s3:`.
+    /// The client tag with this number, 1 to 8.
+    #[must_use]
+    pub fn try_client(number: u8) -> Option<Self> {
+        Self::try_new(number).map(|tag| Self(tag.0 + Self::COUNT))
+    }
+
+    /// Reads `S3`, `s3:`, `C1`.
     #[must_use]
     pub fn parse(name: &str) -> Option<Self> {
         let name = name.trim().strip_suffix(':').unwrap_or(name.trim());
-        let number = name.strip_prefix(['S', 's'])?;
-        Self::try_new(number.parse().ok()?)
+        if let Some(number) = name.strip_prefix(['S', 's']) {
+            return Self::try_new(number.parse().ok()?);
+        }
+        let number = name.strip_prefix(['C', 'c'])?;
+        Self::try_client(number.parse().ok()?)
     }
 
     /// 1 to 8.
     #[must_use]
     pub fn number(self) -> u8 {
-        self.0
+        if self.is_client() {
+            self.0 - Self::COUNT
+        } else {
+            self.0
+        }
     }
 
-    /// All tags.
+    /// Whether the controller connects, and does not listen.
+    #[must_use]
+    pub fn is_client(self) -> bool {
+        self.0 > Self::COUNT
+    }
+
+    /// All tags, those of servers first.
     pub fn all() -> impl Iterator<Item = Tag> {
-        (1..=Self::COUNT).map(Tag)
+        (1..=2 * Self::COUNT).map(Tag)
+    }
+
+    /// Its place among all.
+    pub(crate) fn index(self) -> usize {
+        usize::from(self.0) - 1
     }
 }
 
 impl std::fmt::Display for Tag {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "S{}:", self.0)
+        let letter = if self.is_client() { 'C' } else { 'S' };
+        write!(f, "{letter}{}:", self.number())
     }
 }
 
 /// Something that happened outside, at the core's present time.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Event {
-    /// A client connected to a tag that was accepting.
+    /// A client connected to a tag that was accepting, or the server of a client tag answered.
     Connected {
         /// The tag.
         tag: Tag,
@@ -58,7 +85,7 @@ pub enum Event {
         /// The client.
         peer: SocketAddr,
     },
-    /// The port of a tag could not be opened.
+    /// The port of a tag could not be opened, or its server does not answer.
     ListenFailed {
         /// The tag.
         tag: Tag,
@@ -103,6 +130,20 @@ pub enum Effect {
         /// The program's port.
         port: u16,
     },
+    /// Connect a client tag.
+    Connect {
+        /// The tag.
+        tag: Tag,
+        /// The server.
+        server: SocketAddr,
+    },
+    /// A program closed or deleted a file of a device; whoever has a folder for them keeps it.
+    Keep {
+        /// The file.
+        name: FileName,
+        /// Its bytes; `None` if it is gone.
+        bytes: Option<Vec<u8>>,
+    },
     /// The program does not wait for a client any more.
     StopAccepting {
         /// The tag.
@@ -138,7 +179,10 @@ mod tests {
             Tag::parse("s8:").map(|t| t.to_string()).as_deref(),
             Some("S8:")
         );
-        for wrong in ["S0", "S9:", "C3:", "S", "3", "S3:x", ""] {
+        let client = Tag::parse("c3:").unwrap();
+        assert_eq!((client.number(), client.is_client()), (3, true));
+        assert_eq!(client.to_string(), "C3:");
+        for wrong in ["S0", "S9:", "C9:", "D3:", "S", "3", "S3:x", ""] {
             assert_eq!(Tag::parse(wrong), None, "{wrong:?}");
         }
     }

@@ -55,6 +55,7 @@ pub mod cell_server;
 pub mod clock;
 pub mod config;
 pub mod controller;
+pub mod devices;
 mod driver;
 pub mod effects;
 pub mod error;

@@ -21,6 +21,10 @@ pub struct PortCounts {
     pub groups: u16,
     /// `AIN` and `AOUT`, each.
     pub analog: u16,
+    /// `TPIN` and `TPOUT`, each: keys and lamps of the teach pendant.
+    pub pendant: u16,
+    /// `UIN` and `UOUT`, each.
+    pub user: u16,
 }
 
 impl Default for PortCounts {
@@ -31,6 +35,8 @@ impl Default for PortCounts {
             flags: 1024,
             groups: 100,
             analog: 25,
+            pendant: 256,
+            user: 20,
         }
     }
 }
@@ -161,6 +167,8 @@ impl Ports {
             Port::Flag => self.counts.flags,
             Port::GroupIn | Port::GroupOut => self.counts.groups,
             Port::AnalogIn | Port::AnalogOut => self.counts.analog,
+            Port::PendantIn | Port::PendantOut => self.counts.pendant,
+            Port::UserIn | Port::UserOut => self.counts.user,
             // The operator panel is not stored here.
             Port::PanelIn | Port::PanelOut => 0,
         }
@@ -197,7 +205,11 @@ fn range(port: Port) -> RangeInclusive<i32> {
         | Port::AnalogIn
         | Port::AnalogOut
         | Port::PanelIn
-        | Port::PanelOut => -32_768..=32_767,
+        | Port::PanelOut
+        | Port::PendantIn
+        | Port::PendantOut
+        | Port::UserIn
+        | Port::UserOut => -32_768..=32_767,
     }
 }
 

@@ -185,6 +185,59 @@ pub struct AlarmView {
     pub program: String,
 }
 
+/// An alarm that a program raises with `POST_ERR`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ProgramAlarm {
+    /// Facility and number.
+    pub status: Status,
+    /// The program's own words.
+    pub text: String,
+    /// What it does to the tasks.
+    pub severity: AlarmSeverity,
+    /// Program of the statement, upper case.
+    pub program: Arc<str>,
+    /// Physical source line of the statement, from 1.
+    pub line: u32,
+}
+
+/// What an alarm of a program does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum AlarmSeverity {
+    /// It is only shown.
+    Warn,
+    /// Tasks pause.
+    Pause,
+    /// Tasks end, and what moves is canceled.
+    Abort,
+}
+
+/// Something that is done with files that are not open. Names are as the program wrote them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileOperation<'a> {
+    /// `COPY_FILE`.
+    Copy {
+        /// The source.
+        from: &'a str,
+        /// The copy.
+        to: &'a str,
+        /// Whether a file that is there is replaced.
+        overwrite: bool,
+    },
+    /// `DELETE_FILE`.
+    Delete(&'a str),
+    /// `RENAME_FILE`.
+    Rename {
+        /// The file.
+        from: &'a str,
+        /// Its new name, on the same device.
+        to: &'a str,
+    },
+    /// `MOUNT_DEV`, `DISMOUNT_DEV`: whether the device is there.
+    Mount(&'a str),
+    /// `FORMAT_DEV`: every file of the device is deleted.
+    Format(&'a str),
+}
+
 /// The controller around the machine.
 ///
 /// Tags are given in upper case and without their colon: `S3` for a program's `'s3:'`.
@@ -395,6 +448,28 @@ pub trait Host {
     /// The alarm with this number of the history, or the newest one before it.
     fn alarm(&self, _newest: i32) -> Option<AlarmView> {
         None
+    }
+
+    /// `MSG_PING`: status 0 if a host answers.
+    fn ping(&mut self, _task: TaskId, _host: &str) -> Status {
+        Status::HOST_NO_ANSWER
+    }
+
+    /// `POST_ERR`: a program raises an alarm. What it stops of the tasks is done by the machine, what
+    /// it stops of the arm is the host's.
+    fn raise_alarm(&mut self, _task: TaskId, _alarm: ProgramAlarm) {}
+
+    /// Does something with files that are not open: copies, deletes, renames.
+    fn file_operation(&mut self, _task: TaskId, _operation: FileOperation<'_>) -> Status {
+        Status::FILE_NO_DEVICE
+    }
+
+    /// Names of the files that a pattern such as `MC:*.TXT` means, in order.
+    ///
+    /// # Errors
+    /// The status that the program sees.
+    fn list_files(&mut self, _task: TaskId, _pattern: &str) -> Result<Vec<String>, Status> {
+        Err(Status::FILE_NO_DEVICE)
     }
 
     /// The machine reports the error that ends a task. Called once for each such end.

@@ -105,6 +105,15 @@ pub(crate) enum Rare {
         /// Without a value, the target gets none either; else that is INTP-311.
         may_lack: bool,
     },
+    /// One subscript above the address of an open array of strings of any length.
+    OpenTextIndex,
+    /// A string above an address, cut to the length beside the address.
+    StoreTextIndirect,
+    /// Of the INTEGER on the stack, before it becomes a SHORT or a BYTE.
+    CheckRange {
+        least: i32,
+        most: i32,
+    },
     /// Copies joints: a source address above a target address, and their cells.
     CopyJoints {
         from: u32,
@@ -365,6 +374,7 @@ pub(crate) struct WriteShape {
 pub(crate) enum WritePart {
     /// A value and format specifiers.
     Value {
+        ty: ScalarType,
         formats: u32,
     },
     LineEnd,
@@ -377,4 +387,7 @@ pub(crate) enum ScalarType {
     Real,
     Boolean,
     Text,
+    /// Elements of arrays and fields; INTEGERs everywhere else.
+    Short,
+    Byte,
 }

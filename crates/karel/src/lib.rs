@@ -73,11 +73,14 @@
 //! ```
 
 mod ast;
+mod binary;
 mod builtins;
 mod check;
 mod cmos;
 mod diagnostic;
 mod error;
+mod frame;
+mod headers;
 mod host;
 mod include;
 mod ir;
@@ -107,8 +110,9 @@ pub use cmos::{Cmos, Scalar};
 pub use diagnostic::{Diagnostic, Severity, render};
 pub use error::{CallSite, RuntimeError};
 pub use host::{
-    AlarmView, FileId, HandAction, Host, Input, InputEnd, Interpolation, MotionId, MotionRequest,
-    MoveEnd, OpenMode, Progress, TaskId, TpMotion, TpSpeed, TpTarget, Wait,
+    AlarmSeverity, AlarmView, FileId, FileOperation, HandAction, Host, Input, InputEnd,
+    Interpolation, MotionId, MotionRequest, MoveEnd, OpenMode, ProgramAlarm, Progress, TaskId,
+    TpMotion, TpSpeed, TpTarget, Wait,
 };
 pub use include::{IncludeFile, IncludeFiles, Includes};
 pub use machine::{LoadError, Machine, StartError};
@@ -116,7 +120,7 @@ pub use port::{Port, PortValue};
 pub use position::{Config, Elbow, Front, JointPosition, Position, Wrist, Xyzwpr, XyzwprExt};
 pub use program::{Interruption, Program, syntax_tree};
 pub use registers::{Number, PositionRegister, RegisterCounts, Registers};
-pub use run::{Limits, Run, Slice, TaskState, TaskView};
+pub use run::{ByteOrder, Limits, Run, Slice, TaskState, TaskView};
 pub use status::Status;
 pub use syspath::{Step, SysPath, SysPathError};
 pub use value::{SysValue, Text, Value};

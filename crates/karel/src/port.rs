@@ -1,6 +1,44 @@
 //! I/O ports as programs name them.
 
-use std::fmt;
+use std::{collections::BTreeMap, fmt};
+
+use crate::value::Text;
+
+/// What can have a comment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Commented {
+    Port(Port),
+    /// `R[n]`.
+    Number,
+    /// `PR[n]`.
+    Position,
+    /// `SR[n]`.
+    Text,
+}
+
+/// Comments of ports and registers, which programs may write and read.
+#[derive(Debug, Default)]
+pub(crate) struct Comments(BTreeMap<(Commented, i32), Text>);
+
+impl Comments {
+    /// Longest comment, and most of them.
+    const LONGEST: usize = 24;
+    const MOST: usize = 1 << 14;
+
+    /// `false` if there are too many.
+    pub(crate) fn set(&mut self, what: (Commented, i32), mut comment: Text) -> bool {
+        comment.truncate(Comments::LONGEST);
+        let fits = self.0.len() < Comments::MOST || self.0.contains_key(&what);
+        if fits {
+            let _before = self.0.insert(what, comment);
+        }
+        fits
+    }
+
+    pub(crate) fn get(&self, what: (Commented, i32)) -> Text {
+        self.0.get(&what).cloned().unwrap_or_default()
+    }
+}
 
 /// An array of ports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -27,6 +65,14 @@ pub enum Port {
     PanelIn,
     /// `OPOUT`, lamps of the operator panel, which the controller sets.
     PanelOut,
+    /// `TPIN`, keys of the teach pendant.
+    PendantIn,
+    /// `TPOUT`, lamps of the teach pendant.
+    PendantOut,
+    /// `UIN`, user operator panel inputs.
+    UserIn,
+    /// `UOUT`, user operator panel outputs, which the controller sets.
+    UserOut,
 }
 
 /// The value of a port.
@@ -40,7 +86,7 @@ pub enum PortValue {
 
 impl Port {
     /// All of them.
-    pub const ALL: [Port; 11] = [
+    pub const ALL: [Port; 15] = [
         Port::DigitalIn,
         Port::DigitalOut,
         Port::RobotIn,
@@ -52,6 +98,10 @@ impl Port {
         Port::AnalogOut,
         Port::PanelIn,
         Port::PanelOut,
+        Port::PendantIn,
+        Port::PendantOut,
+        Port::UserIn,
+        Port::UserOut,
     ];
 
     /// The name of the array, `DOUT`.
@@ -69,6 +119,10 @@ impl Port {
             Port::AnalogOut => "AOUT",
             Port::PanelIn => "OPIN",
             Port::PanelOut => "OPOUT",
+            Port::PendantIn => "TPIN",
+            Port::PendantOut => "TPOUT",
+            Port::UserIn => "UIN",
+            Port::UserOut => "UOUT",
         }
     }
 
@@ -81,10 +135,16 @@ impl Port {
             | Port::GroupIn
             | Port::AnalogIn
             | Port::PanelIn
-            | Port::PanelOut => true,
-            Port::DigitalOut | Port::RobotOut | Port::Flag | Port::GroupOut | Port::AnalogOut => {
-                false
-            }
+            | Port::PanelOut
+            | Port::PendantIn
+            | Port::UserIn
+            | Port::UserOut => true,
+            Port::DigitalOut
+            | Port::RobotOut
+            | Port::Flag
+            | Port::GroupOut
+            | Port::AnalogOut
+            | Port::PendantOut => false,
         }
     }
 
@@ -98,9 +158,19 @@ impl Port {
             | Port::RobotOut
             | Port::Flag
             | Port::PanelIn
-            | Port::PanelOut => true,
+            | Port::PanelOut
+            | Port::PendantIn
+            | Port::PendantOut
+            | Port::UserIn
+            | Port::UserOut => true,
             Port::GroupIn | Port::GroupOut | Port::AnalogIn | Port::AnalogOut => false,
         }
+    }
+
+    /// The port of a number that programs have from `kliotyps`.
+    pub(crate) fn of_type(number: i32) -> Option<Port> {
+        let index = usize::try_from(number).ok()?.checked_sub(1)?;
+        Port::ALL.get(index).copied()
     }
 
     pub(crate) fn named(name: &str) -> Option<Port> {

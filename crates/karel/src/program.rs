@@ -7,7 +7,9 @@ use crate::{
     diagnostic::{Diagnostic, Reports},
     include::{IncludeFiles, Includes},
     ir::{Attributes, Code, SharedVariable},
-    lower, parser, sexpr,
+    lower,
+    machine::cell::{FileCell, FileFlag},
+    parser, sexpr,
     span::Source,
     tp,
     types::Type,
@@ -22,6 +24,8 @@ pub struct Program {
     pub(crate) globals: HashMap<String, (u32, Type)>,
     pub(crate) global_cells: u32,
     pub(crate) global_files: Vec<u32>,
+    /// Those of them that are windows of the pendant.
+    pub(crate) windows: Vec<u32>,
     /// Names of the variables that keep their values without power.
     pub(crate) persistent: Vec<String>,
     /// Variables of other programs.
@@ -68,6 +72,7 @@ impl Program {
             globals: checked.globals,
             global_cells: checked.global_cells,
             global_files: checked.global_files,
+            windows: checked.windows,
             persistent: checked.persistent,
             shared: checked.shared,
             attributes: checked.attributes,
@@ -96,6 +101,7 @@ impl Program {
             globals: HashMap::new(),
             global_cells: 0,
             global_files: Vec::new(),
+            windows: Vec::new(),
             persistent: Vec::new(),
             shared: Vec::new(),
             attributes: Attributes::default(),
@@ -146,6 +152,15 @@ impl Program {
     #[must_use]
     pub fn is_abortable_by_error(&self) -> bool {
         !self.attributes.no_abort.error
+    }
+
+    /// What a FILE variable of the program is before anything is opened.
+    pub(crate) fn closed_file(&self, cell: u32) -> FileCell {
+        let mut file = FileCell::default();
+        if self.windows.contains(&cell) {
+            file.set(FileFlag::Window);
+        }
+        file
     }
 
     pub(crate) fn name_arc(&self) -> Arc<str> {

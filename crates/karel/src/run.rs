@@ -35,6 +35,29 @@ impl Default for Limits {
     }
 }
 
+/// The order of the bytes of a number in a binary file.
+///
+/// ASSUMPTION: controllers are big endian; the vendor's simulator on a PC is little endian.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ByteOrder {
+    /// The highest byte first.
+    #[default]
+    Big,
+    /// The lowest byte first.
+    Little,
+}
+
+impl ByteOrder {
+    /// The other one.
+    #[must_use]
+    pub fn reversed(self) -> ByteOrder {
+        match self {
+            ByteOrder::Big => ByteOrder::Little,
+            ByteOrder::Little => ByteOrder::Big,
+        }
+    }
+}
+
 /// Why [`crate::Machine::run`] returned, and what it cost.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slice {

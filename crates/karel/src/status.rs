@@ -14,6 +14,20 @@ impl Status {
 
     /// FILE-021: end of file.
     pub const FILE_END: Status = Status(2021);
+    /// FILE-014: the file does not exist.
+    ///
+    /// ASSUMPTION: this number and those of FILE-013 and FILE-005 are from memory of error lists.
+    pub const FILE_NOT_FOUND: Status = Status(2014);
+    /// FILE-013: the file exists already.
+    pub const FILE_EXISTS: Status = Status(2013);
+    /// FILE-005: the device is full.
+    pub const FILE_DEVICE_FULL: Status = Status(2005);
+    /// FILE-007: the device does not exist or is not mounted.
+    ///
+    /// ASSUMPTION: the number is ours; programs in the field only compare with 0.
+    pub const FILE_NO_DEVICE: Status = Status(2007);
+    /// Nothing can be read now from a pipe that does not wait.
+    pub const WOULD_BLOCK: Status = Status(282);
     /// FILE-032: illegal parameter, such as an open mode that does not exist.
     pub const FILE_ILLEGAL_PARAMETER: Status = Status(2032);
     /// PROG-001: a program that shall run runs already.
@@ -75,6 +89,12 @@ impl Status {
     /// INTP-334: a read failed.
     pub const INTP_READ_FAILED: Status = Status(12334);
 
+    /// INTP-360: a direction of length 0.
+    pub const INTP_ZERO_VECTOR: Status = Status(12360);
+
+    /// INTP-335: a file variable that is a window cannot be opened, read or closed so.
+    pub const INTP_PREDEFINED: Status = Status(12335);
+
     /// INTP-358: a READ gave up waiting, see `ATR_TIMEOUT`.
     pub const INTP_READ_TIMEOUT: Status = Status(12358);
 
@@ -101,6 +121,10 @@ impl Status {
 
     /// HOST-144: the tag is not defined, not started, or already connected.
     pub const HOST_TAG: Status = Status(67144);
+    /// HOST-178: a host does not answer, or may not be asked.
+    ///
+    /// ASSUMPTION: the number is ours; programs in the field only compare with 0.
+    pub const HOST_NO_ANSWER: Status = Status(67178);
     /// HOST-213: the peer closed its side of the connection.
     pub const HOST_PEER_CLOSED: Status = Status(67213);
 
@@ -156,6 +180,26 @@ pub(crate) mod attribute {
     pub(crate) const IMMEDIATE: i32 = 1;
     /// `ATR_TIMEOUT`: milliseconds of a READ.
     pub(crate) const TIMEOUT: i32 = 2;
+    /// `ATR_UF`: binary data.
+    pub(crate) const UNFORMATTED: i32 = 3;
+    /// `ATR_FIELD`: a field is read as a whole.
+    pub(crate) const FIELD: i32 = 4;
+    /// `ATR_EOL`: the code of the byte that ends a line.
+    pub(crate) const END_OF_LINE: i32 = 5;
+    /// `ATR_PASSALL`: no byte is special.
+    pub(crate) const PASS_ALL: i32 = 6;
+    /// `ATR_READAHD`: size of the buffer.
+    pub(crate) const READ_AHEAD: i32 = 7;
+    /// `ATR_REVERSE`: the other order of bytes.
+    pub(crate) const REVERSE: i32 = 8;
+    /// `ATR_PIPOVADV`: bytes that an overflow skips.
+    pub(crate) const PIPE_OVERFLOW: i32 = 9;
+    /// `ATR_PIPWAIT`: a READ waits for data.
+    pub(crate) const PIPE_WAIT: i32 = 10;
+    /// `ATR_XONOFF`: flow control of a serial line.
+    pub(crate) const FLOW: i32 = 11;
+    /// `ATR_MODEM`: lines of a serial port.
+    pub(crate) const MODEM: i32 = 12;
 }
 
 /// What `GET_TSK_INFO` asks for and answers.

@@ -36,6 +36,8 @@ pub(crate) struct ItemFormat {
     pub(crate) kind: ItemKind,
     /// `::n`.
     pub(crate) width: Option<usize>,
+    /// `ATR_EOL`; CR and LF without it.
+    pub(crate) line_end: Option<u8>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,6 +89,7 @@ pub(crate) fn read_item(input: Input<'_>, line_state: LineState, format: ItemFor
         end: input.end,
         offset: 0,
         line_state,
+        line_end: format.line_end,
     };
     let result = if format.width == Some(0) {
         reader.poll(format.kind)
@@ -105,6 +108,7 @@ struct Reader<'a> {
     end: InputEnd,
     offset: usize,
     line_state: LineState,
+    line_end: Option<u8>,
 }
 
 impl<'a> Reader<'a> {
@@ -177,7 +181,7 @@ impl<'a> Reader<'a> {
         self.line_state = LineState::SkippingToken;
         while let Some(byte) = self.peek() {
             self.offset += 1;
-            if is_delimiter(byte) {
+            if self.is_delimiter(byte) {
                 self.line_state = LineState::Inside;
                 let _ = self.ends_line(byte);
                 return true;
@@ -189,11 +193,29 @@ impl<'a> Reader<'a> {
     /// Notes a line end that was just consumed.
     fn ends_line(&mut self, byte: u8) -> bool {
         match byte {
+            _ if self.line_end.is_some() => {
+                let ends = self.line_end == Some(byte);
+                if ends {
+                    self.line_state = LineState::Inside;
+                }
+                return ends;
+            }
             b'\n' => self.line_state = LineState::Inside,
             b'\r' => self.line_state = LineState::AfterCr,
             _ => return false,
         }
         true
+    }
+
+    fn is_line_end(&self, byte: u8) -> bool {
+        match self.line_end {
+            Some(end) => byte == end,
+            None => matches!(byte, b'\r' | b'\n'),
+        }
+    }
+
+    fn is_delimiter(&self, byte: u8) -> bool {
+        is_blank(byte) || matches!(byte, b',' | b'\r' | b'\n') || self.is_line_end(byte)
     }
 
     fn wait_or_end(&self) -> ReadResult {
@@ -224,13 +246,13 @@ impl<'a> Reader<'a> {
     /// value must be complete with its delimiter. The end of the stream ends a token as well.
     fn token(&mut self, kind: ItemKind) -> ReadResult {
         while let Some(byte) = self.peek()
-            && (is_blank(byte) || matches!(byte, b'\r' | b'\n'))
+            && (is_blank(byte) || matches!(byte, b'\r' | b'\n') || self.is_line_end(byte))
         {
             self.offset += 1;
             let _ = self.ends_line(byte);
         }
         let rest = self.rest();
-        let Some(length) = rest.iter().position(|byte| is_delimiter(*byte)) else {
+        let Some(length) = rest.iter().position(|byte| self.is_delimiter(*byte)) else {
             return self.open_token(rest, kind);
         };
         let token = rest.get(..length).unwrap_or_default();
@@ -308,7 +330,7 @@ impl<'a> Reader<'a> {
     /// A string without a width: to the end of the line, cut to the variable's length.
     fn text_line(&mut self, length: usize) -> ReadResult {
         let rest = self.rest();
-        let line = rest.iter().position(|byte| matches!(byte, b'\r' | b'\n'));
+        let line = rest.iter().position(|byte| self.is_line_end(*byte));
         let taken = match (line, self.end) {
             (Some(end), _) => {
                 self.offset += end + 1;
@@ -337,10 +359,6 @@ impl<'a> Reader<'a> {
 
 fn is_blank(byte: u8) -> bool {
     matches!(byte, b' ' | b'\t')
-}
-
-fn is_delimiter(byte: u8) -> bool {
-    is_blank(byte) || matches!(byte, b',' | b'\r' | b'\n')
 }
 
 #[cfg(test)]

@@ -284,7 +284,8 @@ pub(crate) enum Step {
         dims: Vec<u32>,
         element_cells: u32,
     },
-    /// Into an open array, whose length the reference carries.
+    /// Into an open array, whose length the reference carries; 0 cells mean strings whose length it
+    /// carries as well.
     OpenIndex {
         subscript: Expr,
         element_cells: u32,
@@ -336,6 +337,8 @@ pub(crate) struct BuiltinCall {
 pub(crate) enum Arg {
     /// The variable itself; may be uninitialized.
     Reference(Place),
+    /// An array of strings where both lengths are open.
+    TextArray { place: Place, lengths: u32 },
     /// A copy in a temporary variable of this type.
     Copy { value: Expr, formal: Type },
     /// A scalar on the operand stack, or the address of a temporary.

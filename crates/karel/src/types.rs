@@ -26,10 +26,31 @@ pub(crate) enum Type {
     Config,
     Position(PositionKind),
     Joints(JointKind),
+    /// An INTEGER of an array or a structure that holds fewer.
+    Small(Small),
     Array(Arc<ArrayType>),
     Structure(Arc<StructureType>),
     /// A type that was reported already; fits everything.
     Error,
+}
+
+/// `SHORT` and `BYTE`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Small {
+    Short,
+    Byte,
+}
+
+impl Small {
+    /// Least and largest value.
+    ///
+    /// ASSUMPTION: BYTE has no sign.
+    pub(crate) fn range(self) -> (i32, i32) {
+        match self {
+            Small::Short => (i32::from(i16::MIN), i32::from(i16::MAX)),
+            Small::Byte => (0, i32::from(u8::MAX)),
+        }
+    }
 }
 
 /// The declared length of a string.
@@ -101,6 +122,23 @@ pub(crate) struct Field {
     pub(crate) offset: u32,
 }
 
+const VECTOR: &str = "VECTOR";
+
+/// Bits that the length of a string needs beside the length of an array.
+const TEXT_BITS: u32 = 8;
+
+/// The length of an array and that of its strings as one number, which a reference to it carries.
+pub(crate) fn text_array_lengths(array: u32, text: u32) -> u32 {
+    array << TEXT_BITS | text
+}
+
+/// The two lengths of [`text_array_lengths`].
+pub(crate) fn split_text_array(lengths: u32) -> (u32, u32) {
+    (lengths >> TEXT_BITS, lengths & ((1 << TEXT_BITS) - 1))
+}
+
+const _: () = assert!(MAX_CELLS <= 1 << (32 - TEXT_BITS) && MAX_STRING < 1 << TEXT_BITS);
+
 /// Offset of CONFIG in a position; x, y, z, w, p, r come before it.
 pub(crate) const CONFIG_OFFSET: u32 = 6;
 
@@ -135,6 +173,28 @@ impl PositionKind {
 impl Type {
     pub(crate) const TEXT: Type = Type::Text(TextLength::Any);
 
+    /// `VECTOR`: three REALs by the names of their axes, like a structure that nobody declares.
+    pub(crate) fn vector() -> Type {
+        let fields = ["X", "Y", "Z"].iter().zip(0..);
+        let field = |(name, offset): (&&str, u32)| Field {
+            name: (*name).to_owned(),
+            ty: Type::Real,
+            offset,
+        };
+        Type::Structure(Arc::new(StructureType {
+            name: VECTOR.to_owned(),
+            fields: fields.map(field).collect(),
+            size: 3,
+            depth: 1,
+        }))
+    }
+
+    pub(crate) fn is_vector(&self) -> bool {
+        // A program may declare a structure of this name with other fields.
+        matches!(self, Type::Structure(structure) if structure.name == VECTOR && structure.size == 3)
+            && *self == Type::vector()
+    }
+
     /// Cells of a value; an open array or a string without length counts as one reference.
     pub(crate) fn size(&self) -> u32 {
         match self {
@@ -144,6 +204,7 @@ impl Type {
             | Type::Text(_)
             | Type::File
             | Type::Config
+            | Type::Small(_)
             | Type::Error => 1,
             Type::Position(kind) => kind.size(),
             Type::Joints(kind) => kind.size(),
@@ -168,6 +229,7 @@ impl Type {
             | Type::Config
             | Type::Position(_)
             | Type::Joints(_)
+            | Type::Small(_)
             | Type::Error => 0,
         }
     }
@@ -202,6 +264,14 @@ impl Type {
         )
     }
 
+    /// The type of its values in expressions.
+    pub(crate) fn of_value(&self) -> Type {
+        if let Type::Small(_) = self {
+            return Type::Integer;
+        }
+        self.clone()
+    }
+
     pub(crate) fn is_number(&self) -> bool {
         matches!(self, Type::Integer | Type::Real | Type::Error)
     }
@@ -225,6 +295,7 @@ impl Type {
             | Type::File
             | Type::Config
             | Type::Joints(_)
+            | Type::Small(_)
             | Type::Array(_)
             | Type::Error => None,
         }
@@ -258,6 +329,7 @@ impl Type {
             | Type::Text(_)
             | Type::File
             | Type::Config
+            | Type::Small(_)
             | Type::Error => leaves.push(self.clone()),
         }
     }
@@ -277,6 +349,7 @@ impl Type {
             | Type::Config
             | Type::Position(_)
             | Type::Joints(_)
+            | Type::Small(_)
             | Type::Error => false,
         }
     }
@@ -295,6 +368,8 @@ impl fmt::Display for Type {
             Type::Position(PositionKind::Position) => f.write_str("POSITION"),
             Type::Position(PositionKind::Xyzwpr) => f.write_str("XYZWPR"),
             Type::Position(PositionKind::XyzwprExt) => f.write_str("XYZWPREXT"),
+            Type::Small(Small::Short) => f.write_str("SHORT"),
+            Type::Small(Small::Byte) => f.write_str("BYTE"),
             Type::Joints(JointKind::OfGroup) => f.write_str("JOINTPOS"),
             Type::Joints(JointKind::Axes(axes)) => write!(f, "JOINTPOS{axes}"),
             Type::Array(array) if array.dims.is_empty() => write!(f, "ARRAY OF {}", array.element),

@@ -21,6 +21,7 @@ use karel::{Machine, Port, PortValue, Run, Status, TaskId, Wait};
 
 use crate::alarms::{Alarm, Severity};
 use crate::config::{ControllerConfig, Limits};
+use crate::devices::FileName;
 use crate::effects::{ConnectionId, Effect, Event};
 use crate::error::StartError;
 use crate::hardware::Hardware;
@@ -94,6 +95,7 @@ impl Controller {
         check_gripper(config)?;
         let limits = config.limits;
         let mut machine = Machine::new(karel::Limits::default());
+        machine.set_byte_order(config.byte_order);
         let names = load::load(&mut machine, &config.programs, &config.includes, limits)?;
         let run = if config.run.is_empty() {
             names.into_iter().take(1).collect()
@@ -229,6 +231,15 @@ impl Controller {
     #[must_use]
     pub fn registers(&self) -> &karel::Registers {
         self.machine.registers()
+    }
+
+    /// The files of the devices, `RD:`, `MC:` and so on.
+    #[must_use]
+    pub fn files(&self) -> Vec<(FileName, Vec<u8>)> {
+        let files = self.hardware.devices.files();
+        files
+            .map(|(name, bytes)| (name.clone(), bytes.to_vec()))
+            .collect()
     }
 
     /// Where the joints are, in degrees.

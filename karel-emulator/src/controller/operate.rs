@@ -219,9 +219,14 @@ impl Controller {
                     if protected || matches!(task.phase, Phase::Over) {
                         continue;
                     }
-                    self.machine.abort(task.id, &mut self.hardware);
+                    // Its condition handlers may refuse.
+                    self.machine.request_abort(task.id, &mut self.hardware);
+                    if self.machine.is_alive(task.id) {
+                        continue;
+                    }
                     self.hardware.release_ports(task.id);
                     task.phase = Phase::Over;
+                    task.look = None;
                 }
                 let text = format!("{status} aborted the tasks");
                 self.hardware.stop_arm(&text);

@@ -19,7 +19,8 @@ use crate::alarms::Alarm;
 use crate::clock::{Clock, Timekeeper};
 use crate::config::ControllerConfig;
 use crate::controller::{Advance, CmosMemory, Controller, OperateError, Operation};
-use crate::effects::Event;
+use crate::devices::Folder;
+use crate::effects::{Effect, Event};
 use crate::error::StartError;
 use crate::labels::PeerLabels;
 use crate::ledger::LedgerEntry;
@@ -74,6 +75,8 @@ pub(crate) struct Driver {
     core: Controller,
     net: Net,
     time: Timekeeper,
+    /// Where files of programs are kept.
+    folder: Option<Folder>,
     commands: mpsc::Receiver<Command>,
     state: watch::Sender<State>,
     stop: CancellationToken,
@@ -111,6 +114,7 @@ impl Driver {
             core,
             net,
             time: Timekeeper::start(clock),
+            folder: config.folder.clone(),
             commands,
             state,
             stop,
@@ -182,6 +186,11 @@ impl Driver {
 
     fn apply_effects(&mut self) {
         for effect in self.core.take_effects() {
+            if let (Effect::Keep { name, bytes }, Some(folder)) = (&effect, &self.folder)
+                && let Err(error) = folder.keep(name, bytes.as_deref())
+            {
+                tracing::warn!("The file {name} of a program is not kept: {error}.");
+            }
             self.net.apply(effect);
         }
     }

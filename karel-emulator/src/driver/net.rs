@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::io;
 use std::net::{IpAddr, SocketAddr};
+use std::pin::Pin;
 use std::sync::Arc;
 use std::task::{Context, Poll};
 
@@ -45,6 +46,8 @@ pub(super) struct Net {
     /// The port each tag was opened on last, and whether a program waits for a client there.
     tags: BTreeMap<Tag, TagPort>,
     connections: BTreeMap<ConnectionId, Live>,
+    /// Client tags whose servers have not answered yet.
+    connecting: BTreeMap<Tag, Connecting>,
     last_connection: u64,
     /// Events that came from effects.
     events: VecDeque<Event>,
@@ -54,6 +57,20 @@ pub(super) struct Net {
     lingering: Arc<Semaphore>,
     tracker: TaskTracker,
     stop: CancellationToken,
+}
+
+/// An attempt to reach a server.
+struct Connecting {
+    server: SocketAddr,
+    attempt: Pin<Box<dyn Future<Output = io::Result<TcpStream>> + Send>>,
+}
+
+impl std::fmt::Debug for Connecting {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Connecting")
+            .field("server", &self.server)
+            .finish_non_exhaustive()
+    }
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -88,6 +105,7 @@ impl Net {
             ports,
             tags: BTreeMap::new(),
             connections: BTreeMap::new(),
+            connecting: BTreeMap::new(),
             last_connection: 0,
             events: VecDeque::new(),
             addresses: news.addresses,
@@ -107,7 +125,14 @@ impl Net {
                     self.events.push_back(Event::ListenFailed { tag, reason });
                 }
             }
+            Effect::Connect { tag, server } => {
+                let attempt = Box::pin(TcpStream::connect(server));
+                let _before = self.connecting.insert(tag, Connecting { server, attempt });
+            }
+            // The driver has the folder.
+            Effect::Keep { .. } => {}
             Effect::StopAccepting { tag } => {
+                let _attempt = self.connecting.remove(&tag);
                 if let Some(open) = self.tags.get_mut(&tag) {
                     open.accepting = false;
                 }
@@ -115,7 +140,10 @@ impl Net {
                     self.close_port(tag);
                 }
             }
-            Effect::StopListening { tag } => self.leave_port(tag),
+            Effect::StopListening { tag } => {
+                let _attempt = self.connecting.remove(&tag);
+                self.leave_port(tag);
+            }
             Effect::Send { connection, bytes } => {
                 if let Some(live) = self.connections.get_mut(&connection) {
                     live.queue(bytes);
@@ -150,12 +178,48 @@ impl Net {
                 }
             }
         }
+        if let Poll::Ready(event) = self.poll_connecting(cx) {
+            return Poll::Ready(event);
+        }
         for (&id, live) in &mut self.connections {
             if let Poll::Ready(report) = live.poll(cx, room(id)) {
                 return Poll::Ready(event_of(id, live.peer, report, &self.labels));
             }
         }
         Poll::Pending
+    }
+
+    /// A server that answered, or did not.
+    fn poll_connecting(&mut self, cx: &mut Context<'_>) -> Poll<Event> {
+        let mut answers = self.connecting.iter_mut();
+        let answer = answers.find_map(|(&tag, connecting)| {
+            let server = connecting.server;
+            match connecting.attempt.as_mut().poll(cx) {
+                Poll::Ready(result) => Some((tag, server, result)),
+                Poll::Pending => None,
+            }
+        });
+        let Some((tag, server, result)) = answer else {
+            return Poll::Pending;
+        };
+        let _attempt = self.connecting.remove(&tag);
+        Poll::Ready(match result {
+            Ok(stream) => {
+                self.last_connection += 1;
+                let connection = ConnectionId(self.last_connection);
+                let live = Live::new(stream, server);
+                let _new = self.connections.insert(connection, live);
+                Event::Connected {
+                    tag,
+                    connection,
+                    peer: server,
+                }
+            }
+            Err(error) => {
+                let reason = format!("{tag} cannot connect to {server}: {error}");
+                Event::ListenFailed { tag, reason }
+            }
+        })
     }
 
     /// Everything that the operating system has at this moment, without waiting for the runtime to notice it.

@@ -3,9 +3,9 @@
 use std::time::Duration;
 
 use karel::{
-    AlarmView, FileId, Host, Input, JointPosition, MotionId, MotionRequest, OpenMode, Port,
-    PortValue, Position, Progress, Registers, RuntimeError, Status, SysPath, SysValue, TaskId,
-    TpMotion, Value, XyzwprExt,
+    AlarmView, FileId, FileOperation, Host, Input, JointPosition, MotionId, MotionRequest,
+    OpenMode, Port, PortValue, Position, ProgramAlarm, Progress, Registers, RuntimeError, Status,
+    SysPath, SysValue, TaskId, TpMotion, Value, XyzwprExt,
 };
 
 use super::Hardware;
@@ -207,6 +207,32 @@ impl Host for Hardware {
     fn cancel_arm(&mut self, task: TaskId) {
         let reason = format!("CANCEL by task {}", task.0);
         self.brake(&reason, Status::OK);
+    }
+
+    fn hold_arm(&mut self, _task: TaskId) {
+        Hardware::hold_arm(self, false);
+    }
+
+    fn resume_arm(&mut self, _task: TaskId) {
+        Hardware::resume_arm(self);
+    }
+
+    fn ping(&mut self, _task: TaskId, host: &str) -> Status {
+        self.answer_of(host)
+    }
+
+    fn raise_alarm(&mut self, task: TaskId, alarm: ProgramAlarm) {
+        self.alarm_of_program(task, &alarm);
+    }
+
+    fn file_operation(&mut self, _task: TaskId, operation: FileOperation<'_>) -> Status {
+        let status = self.devices.operate(operation);
+        self.keep_files();
+        status
+    }
+
+    fn list_files(&mut self, _task: TaskId, pattern: &str) -> Result<Vec<String>, Status> {
+        self.devices.list(pattern)
     }
 
     fn cancel_motions(&mut self, task: TaskId) {

@@ -15,11 +15,12 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
 
-use karel::{FileId, MotionId, RuntimeError, Status, TaskId, Wait};
+use karel::{AlarmSeverity, FileId, MotionId, ProgramAlarm, RuntimeError, Status, TaskId, Wait};
 
 use crate::alarms::{Alarm, AlarmLog, Severity};
-use crate::config::ControllerConfig;
+use crate::config::{ControllerConfig, Hosts};
 use crate::controller::CmosMemory;
+use crate::devices::Devices;
 use crate::effects::{ConnectionId, Effect, Tag};
 use crate::ledger::{CommandId, Ledger, MotionKind, PoseMmDeg, seconds};
 use crate::motion::{Executor, Planner, Refusal};
@@ -57,6 +58,9 @@ pub(crate) struct Hardware {
     effects: Vec<Effect>,
     wakes: Vec<Wake>,
     files: BTreeMap<FileId, OpenFile>,
+    pub(crate) devices: Devices,
+    /// Hosts that programs may connect to.
+    hosts: Hosts,
     last_file: u32,
     last_motion: u64,
     /// How the latest motions ended, for tasks that wait for them.
@@ -153,6 +157,8 @@ impl Hardware {
             effects: Vec::new(),
             wakes: Vec::new(),
             files: BTreeMap::new(),
+            devices: Devices::default(),
+            hosts: config.hosts.clone(),
             last_file: 0,
             last_motion: 0,
             outcomes: VecDeque::new(),
@@ -161,6 +167,11 @@ impl Hardware {
             origins: BTreeMap::new(),
             refusals: BTreeMap::new(),
         };
+        for (name, bytes) in &config.files {
+            if !hardware.devices.insert(name.clone(), bytes.clone()) {
+                tracing::warn!(controller = %config.name, "There is no room for the file {name}.");
+            }
+        }
         hardware.show_gripper();
         hardware
     }
@@ -190,6 +201,7 @@ impl Hardware {
             self.variables = SystemVariables::new();
         }
         self.ports.power_cycle();
+        self.devices.power_cycle();
         self.follow_override();
     }
 
@@ -239,6 +251,25 @@ impl Hardware {
         };
         let place = Some((&error.program, error.line));
         self.post_at(error.status, text, Severity::Abort, place);
+    }
+
+    /// `POST_ERR`: the arm stops with the tasks that the machine stops.
+    fn alarm_of_program(&mut self, task: TaskId, alarm: &ProgramAlarm) {
+        let severity = match alarm.severity {
+            AlarmSeverity::Warn => Severity::Warn,
+            AlarmSeverity::Pause => Severity::Pause,
+            AlarmSeverity::Abort => Severity::Abort,
+        };
+        let place = Some((&alarm.program, alarm.line));
+        self.post_at(alarm.status, alarm.text.clone(), severity, place);
+        match alarm.severity {
+            AlarmSeverity::Warn => {}
+            AlarmSeverity::Pause => self.hold_arm(false),
+            AlarmSeverity::Abort => {
+                let text = format!("{} of task {} aborted the tasks", alarm.status, task.0);
+                self.stop_arm(&text);
+            }
+        }
     }
 
     /// Text for the USER screen: the last lines are kept, control bytes are not.

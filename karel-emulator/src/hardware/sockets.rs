@@ -1,5 +1,7 @@
 //! Tags and the files that are open on them.
 
+use std::net::SocketAddr;
+
 use karel::{FileId, Input, InputEnd, OpenMode, Progress, Status, TaskId, Wait};
 
 use super::{Hardware, OpenFile, Origin, Wake};
@@ -25,15 +27,24 @@ impl Hardware {
     fn try_connect(&mut self, task: TaskId, name: &str) -> Result<Progress<Status>, Status> {
         let tag = Tag::parse(name).ok_or(Status::HOST_TAG)?;
         let port = self.port_of(tag)?;
+        let ask = if tag.is_client() {
+            let server = self.server_of(tag, port)?;
+            Effect::Connect { tag, server }
+        } else {
+            Effect::Accept { tag, port }
+        };
         let slot = self.slot(tag).ok_or(Status::HOST_TAG)?;
-        let wait = || Progress::Pending(Wait::Connect(format!("S{}", tag.number())));
+        let wait = || {
+            let name = tag.to_string();
+            Progress::Pending(Wait::Connect(name.trim_end_matches(':').to_owned()))
+        };
         match std::mem::replace(&mut slot.state, TagState::Idle) {
             TagState::Idle => {
                 slot.state = TagState::Waiting;
                 slot.task = Some(task);
                 slot.port = Some(port);
-                self.effects.push(Effect::Accept { tag, port });
-                tracing::debug!(controller = %self.name, %tag, port, "The program waits for a client.");
+                self.effects.push(ask);
+                tracing::debug!(controller = %self.name, %tag, port, "The program waits for a connection.");
                 Ok(wait())
             }
             TagState::Waiting if slot.task == Some(task) => {
@@ -61,7 +72,8 @@ impl Hardware {
     }
 
     fn port_of(&self, tag: Tag) -> Result<u16, Status> {
-        let root = format!("$HOSTS_CFG[{}]", tag.number());
+        let kind = if tag.is_client() { 'C' } else { 'S' };
+        let root = format!("$HOST{kind}_CFG[{}]", tag.number());
         let state = self.variables.integer(&format!("{root}.$STATE"))?;
         if state != TAG_STARTED {
             return Err(Status::HOST_TAG);
@@ -71,6 +83,41 @@ impl Hardware {
             .ok()
             .filter(|&port| port != 0)
             .ok_or(Status::HOST_TAG)
+    }
+
+    /// The server of a client tag: `$STRT_REMOTE`, or `$REMOTE` if that is empty.
+    fn server_of(&mut self, tag: Tag, port: u16) -> Result<SocketAddr, Status> {
+        let root = format!("$HOSTC_CFG[{}]", tag.number());
+        let mut name = self.variables.text(&format!("{root}.$STRT_REMOTE"))?;
+        if name.trim().is_empty() {
+            name = self.variables.text(&format!("{root}.$REMOTE"))?;
+        }
+        let Some(ip) = self.hosts.find(&name) else {
+            let text = format!("{tag} may not connect to the host {:?}", name.trim());
+            self.refuse_host(tag, text);
+            return Err(Status::HOST_NO_ANSWER);
+        };
+        Ok(SocketAddr::new(ip, port))
+    }
+
+    /// Says it once, however often the program tries.
+    fn refuse_host(&mut self, tag: Tag, text: String) {
+        let Some(slot) = self.slot(tag) else { return };
+        if slot.last_failure.as_ref() != Some(&text) {
+            slot.last_failure = Some(text.clone());
+            self.post(Status::HOST_NO_ANSWER, text, Severity::Warn);
+        }
+    }
+
+    /// `MSG_PING`: a host that programs may reach answers.
+    ///
+    /// ASSUMPTION: nothing is sent; hosts of the list are taken to be there.
+    pub(super) fn answer_of(&self, host: &str) -> Status {
+        if self.hosts.find(host).is_some() {
+            Status::OK
+        } else {
+            Status::HOST_NO_ANSWER
+        }
     }
 
     /// `MSG_DISCO`: harmless on an idle tag.
@@ -99,11 +146,18 @@ impl Hardware {
     pub(super) fn open(
         &mut self,
         task: TaskId,
-        _mode: OpenMode,
+        mode: OpenMode,
         name: &str,
     ) -> Result<FileId, Status> {
-        // ASSUMPTION: only tags can be opened in this version; every other name fails as a missing file would.
-        let tag = Tag::parse(name).ok_or(Status::INTP_OPEN_FAILED)?;
+        let Some(tag) = Tag::parse(name) else {
+            if self.files.len() + self.devices.opened() >= OPEN_FILES {
+                return Err(Status::INTP_LIMIT);
+            }
+            self.last_file = self.last_file.wrapping_add(1);
+            let file = FileId(self.last_file);
+            self.devices.open(file, mode, name)?;
+            return Ok(file);
+        };
         let slot = self.slot(tag).ok_or(Status::INTP_OPEN_FAILED)?;
         let TagState::Connected(Connection { id: connection, .. }) = slot.state else {
             return Err(Status::INTP_OPEN_FAILED);
@@ -125,6 +179,8 @@ impl Hardware {
 
     pub(super) fn close(&mut self, file: FileId) -> Status {
         let _closed = self.files.remove(&file);
+        self.devices.close(file);
+        self.keep_files();
         Status::OK
     }
 
@@ -150,7 +206,17 @@ impl Hardware {
         }
     }
 
+    /// Files that programs have changed go outside.
+    pub(super) fn keep_files(&mut self) {
+        let changed = self.devices.take_changed().into_iter();
+        let keep = changed.map(|(name, bytes)| Effect::Keep { name, bytes });
+        self.effects.extend(keep);
+    }
+
     pub(super) fn input_of(&self, file: FileId) -> Input<'_> {
+        if self.devices.holds(file) {
+            return self.devices.input(file);
+        }
         let closed = |status| Input {
             bytes: &[],
             end: InputEnd::Closed(status),
@@ -171,6 +237,9 @@ impl Hardware {
     }
 
     pub(super) fn consume_input(&mut self, file: FileId, count: usize) {
+        if self.devices.holds(file) {
+            return self.devices.consume(file, count);
+        }
         let Some(OpenFile {
             connection, task, ..
         }) = self.files.get(&file)
@@ -192,6 +261,11 @@ impl Hardware {
 
     /// WRITE: all bytes go out together, or the task waits until they can.
     pub(super) fn write(&mut self, file: FileId, bytes: &[u8]) -> Progress<Status> {
+        if self.devices.holds(file) {
+            let (status, readers) = self.devices.write(file, bytes);
+            self.wakes.extend(readers.into_iter().map(Wake::Readable));
+            return Progress::Ready(status);
+        }
         let Some(open) = self.files.get(&file) else {
             return Progress::Ready(Status::INTP_NOT_OPEN);
         };
@@ -298,7 +372,7 @@ impl Hardware {
         self.connection(id).map_or(0, Connection::room)
     }
 
-    fn accept(&mut self, tag: Tag, id: ConnectionId, peer: std::net::SocketAddr) {
+    fn accept(&mut self, tag: Tag, id: ConnectionId, peer: SocketAddr) {
         let name = self.name.clone();
         match self.slot(tag) {
             Some(slot) if matches!(slot.state, TagState::Waiting) => {
@@ -312,7 +386,7 @@ impl Hardware {
     }
 
     fn slot(&mut self, tag: Tag) -> Option<&mut ServerTag> {
-        self.tags.get_mut(usize::from(tag.number()) - 1)
+        self.tags.get_mut(tag.index())
     }
 
     fn connection(&self, id: ConnectionId) -> Option<&Connection> {

@@ -134,6 +134,18 @@ impl SystemVariables {
         }
     }
 
+    /// A STRING variable by its canonical path.
+    ///
+    /// # Errors
+    /// It has no value.
+    pub fn text(&self, path: &str) -> Result<String, Status> {
+        if let Value::String(value) = self.value(path)? {
+            Ok(value.to_string_lossless())
+        } else {
+            Err(Status::VARS_TYPE)
+        }
+    }
+
     /// A REAL variable by its canonical path.
     ///
     /// # Errors

@@ -84,6 +84,7 @@ impl World {
                 Effect::StopAccepting { tag } | Effect::StopListening { tag } => {
                     self.accepting[slot(tag)] = false;
                 }
+                Effect::Connect { .. } | Effect::Keep { .. } => {}
                 Effect::Send { connection, bytes } => self.hear(connection, &bytes),
                 Effect::Close { connection } => {
                     for client in &mut self.clients {

@@ -6,6 +6,8 @@ use crate::machine::{cell::Cell, fault::Fault, finite};
 #[rustfmt::skip]
 pub(super) const TABLE: &[Builtin] = &[
     Builtin { name: "ABS", params: &[Param::Number], required: 1, returns: Returns::SameAsFirst, code: abs },
+    Builtin { name: "ACOS", params: &[Param::Real], required: 1, returns: Returns::Real, code: |context| arc(context, "ACOS", f64::acos) },
+    Builtin { name: "ASIN", params: &[Param::Real], required: 1, returns: Returns::Real, code: |context| arc(context, "ASIN", f64::asin) },
     Builtin { name: "ATAN2", params: &[Param::Real, Param::Real], required: 2, returns: Returns::Real, code: atan2 },
     Builtin { name: "COS", params: &[Param::Real], required: 1, returns: Returns::Real, code: |context| by_angle(context, f64::cos) },
     Builtin { name: "EXP", params: &[Param::Real], required: 1, returns: Returns::Real, code: exp },
@@ -57,6 +59,17 @@ fn trunc(context: &mut Context<'_>) -> Result<Outcome, Fault> {
 /// Angles are degrees.
 fn by_angle(context: &mut Context<'_>, function: fn(f64) -> f64) -> Result<Outcome, Fault> {
     real(function(f64::from(context.real(0)).to_radians()))
+}
+
+/// Of a ratio; degrees.
+fn arc(context: &mut Context<'_>, name: &str, function: fn(f64) -> f64) -> Result<Outcome, Fault> {
+    let ratio = context.real(0);
+    if !(-1.0..=1.0).contains(&ratio) {
+        return Err(Fault::argument(format!(
+            "{name} of {ratio}, not in -1 to 1"
+        )));
+    }
+    real(function(f64::from(ratio)).to_degrees())
 }
 
 /// `ATAN2(x, y)`: x first; degrees counterclockwise from the X axis.

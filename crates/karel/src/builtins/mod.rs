@@ -2,14 +2,17 @@
 
 mod convert;
 mod file;
+mod geometry;
 mod joints;
 mod math;
 mod motion;
 mod panel;
+mod ports;
 mod register;
 mod semaphore;
 mod string;
 mod task;
+mod time;
 mod variable;
 
 use std::time::Duration;
@@ -24,6 +27,7 @@ use crate::{
         semaphore::Semaphores,
         task::Pending,
     },
+    port::Comments,
     position::{JointPosition, XyzwprExt},
     program::Program,
     registers::Registers,
@@ -54,6 +58,7 @@ pub(crate) enum Param {
     Text,
     Boolean,
     Position(PositionKind),
+    Vector,
     OutInteger,
     OutReal,
     OutText,
@@ -67,6 +72,8 @@ pub(crate) enum Param {
     OutPosition,
     /// A variable, ARRAY OF REAL.
     RealArray,
+    /// A variable, ARRAY OF STRING.
+    TextArray,
     /// Read, perhaps written: a variable, or a constant, which is only read.
     InOutInteger,
     InOutText,
@@ -89,6 +96,8 @@ pub(crate) enum Returns {
     Boolean,
     Text,
     XyzwprExt,
+    Position,
+    Vector,
     Joints,
     SameAsFirst,
 }
@@ -102,6 +111,13 @@ pub(crate) enum Outcome {
     Pending(Wait),
     /// The task ends.
     EndTask,
+    /// It is done, and the task pauses.
+    PauseTask,
+    /// A program runs in the same task, from a line on, 0 for the first.
+    CallProgram {
+        name: String,
+        line: u32,
+    },
     /// It is done, and the task rests a little: a loop around it must not starve the others.
     DoneThenPause(Duration),
 }
@@ -112,21 +128,27 @@ pub(crate) fn find(name: &str) -> Option<&'static Builtin> {
 }
 
 pub(crate) fn names() -> Vec<&'static str> {
-    tables().map(|builtin| builtin.name).collect()
+    let names = tables().map(|builtin| builtin.name);
+    names
+        .filter(|name| name.starts_with(char::is_alphabetic))
+        .collect()
 }
 
 fn tables() -> impl Iterator<Item = &'static Builtin> {
     let tables = [
         convert::TABLE,
         file::TABLE,
+        geometry::TABLE,
         joints::TABLE,
         math::TABLE,
         motion::TABLE,
         panel::TABLE,
+        ports::TABLE,
         register::TABLE,
         semaphore::TABLE,
         string::TABLE,
         task::TABLE,
+        time::TABLE,
         variable::TABLE,
     ];
     tables.into_iter().flatten()
@@ -135,24 +157,88 @@ fn tables() -> impl Iterator<Item = &'static Builtin> {
 /// Built-ins that exist on a controller and not here: they deserve a better message than a typing
 /// error.
 const PLANNED: &[&str] = &[
+    "ADD_DICT",
     "APPEND_NODE",
-    "APPROACH",
-    "CALL_PROG",
-    "CALL_PROGLIN",
-    "CNV_STR_TIME",
-    "CNV_TIME_STR",
-    "FORCE_SPMENU",
-    "FRAME",
+    "APPEND_QUEUE",
+    "AVL_POS_NUM",
+    "BYNAME",
+    "CHECK_DICT",
+    "CHECK_NAME",
+    "CLOSE_TPE",
+    "CLR_PORT_SIM",
+    "CNC_DYN_DISB",
+    "CNC_DYN_DISE",
+    "CNC_DYN_DISI",
+    "CNC_DYN_DISP",
+    "CNC_DYN_DISR",
+    "CNC_DYN_DISS",
+    "CNCL_STP_MTN",
+    "COPY_PATH",
+    "COPY_QUEUE",
+    "COPY_TPE",
+    "CREATE_TPE",
+    "CREATE_VAR",
+    "DEL_INST_TPE",
+    "DELETE_NODE",
+    "DELETE_QUEUE",
+    "DISCTRL_ALPH",
+    "DISCTRL_FORM",
+    "DISCTRL_LIST",
+    "DISCTRL_PLMN",
+    "DISCTRL_SBMN",
+    "DISCTRL_TBL",
+    "GET_ATTR_PRG",
+    "GET_JPOS_TPE",
+    "GET_PORT_ASG",
+    "GET_PORT_MOD",
+    "GET_PORT_SIM",
+    "GET_POS_FRM",
+    "GET_POS_TPE",
+    "GET_POS_TYP",
+    "GET_QUEUE",
+    "GET_TPE_CMT",
     "GET_TPE_PRM",
-    "INV",
-    "MSG_PING",
-    "ORIENT",
+    "INI_DYN_DISB",
+    "INI_DYN_DISE",
+    "INI_DYN_DISI",
+    "INI_DYN_DISP",
+    "INI_DYN_DISR",
+    "INI_DYN_DISS",
+    "INIT_QUEUE",
+    "INIT_TBL",
+    "INSERT_NODE",
+    "INSERT_QUEUE",
+    "LOAD",
+    "MODIFY_QUEUE",
+    "NODE_SIZE",
+    "OPEN_TPE",
     "PATH_LEN",
-    "POST_ERR",
+    "POP_KEY_RD",
+    "PRINT_FILE",
+    "PURGE_DEV",
+    "PUSH_KEY_RD",
+    "READ_DICT",
+    "READ_DICT_V",
     "READ_KB",
-    "UNPOS",
+    "REMOVE_DICT",
+    "RENAME_VAR",
+    "RESET",
+    "SAVE",
+    "SEND_DATAPC",
+    "SET_ATTR_PRG",
+    "SET_JPOS_TPE",
+    "SET_PORT_ASG",
+    "SET_PORT_MOD",
+    "SET_PORT_SIM",
+    "SET_POS_TPE",
+    "SET_TPE_CMT",
+    "SET_TRNS_TPE",
+    "TRANSLATE",
+    "VAR_INFO",
+    "VAR_LIST",
     "VOL_SPACE",
     "WRITE_DICT",
+    "WRITE_DICT_V",
 ];
 
 pub(crate) fn is_planned(name: &str) -> bool {
@@ -170,6 +256,7 @@ pub(crate) struct Context<'a> {
     pub(crate) semaphores: &'a mut Semaphores,
     /// Progress of a built-in that waits.
     pub(crate) pending: &'a mut Pending,
+    pub(crate) comments: &'a mut Comments,
     pub(crate) running: Running<'a>,
     pub(crate) limits: &'a Limits,
     pub(crate) host: &'a mut dyn Host,
@@ -289,7 +376,11 @@ mod tests {
         names.sort_unstable();
         names.dedup();
         assert_eq!(names.len(), count);
-        for name in names {
+        // Operators have names that no program can write.
+        for name in names
+            .into_iter()
+            .filter(|name| name.starts_with(char::is_alphabetic))
+        {
             assert_eq!(name, name.to_ascii_uppercase());
             assert!(
                 !is_planned(name),

@@ -7,20 +7,25 @@
 
 use super::{Builtin, Context, Outcome, Param, Returns};
 use crate::{
-    machine::{StartError, cell::Cell, fault::Fault},
+    machine::{Loaded, StartError, cell::Cell, fault::Fault},
     run::TaskState,
     status::{Status, task},
+    types::{Type, split_text_array},
     value::Text,
 };
 
 #[rustfmt::skip]
 pub(super) const TABLE: &[Builtin] = &[
     Builtin { name: "ABORT_TASK", params: &[Param::Text, Param::Boolean, Param::Boolean, Param::OutInteger], required: 4, returns: Returns::Nothing, code: abort_task },
+    Builtin { name: "CALL_PROG", params: &[Param::Text, Param::InOutInteger], required: 2, returns: Returns::Nothing, code: |context| call(context, 0) },
+    Builtin { name: "CALL_PROGLIN", params: &[Param::Text, Param::Integer, Param::InOutInteger, Param::Boolean], required: 4, returns: Returns::Nothing, code: |context| { let line = context.integer(1); call(context, line) } },
     Builtin { name: "CONT_TASK", params: &[Param::Text, Param::OutInteger], required: 2, returns: Returns::Nothing, code: cont_task },
     Builtin { name: "CURR_PROG", params: &[], required: 0, returns: Returns::Text, code: curr_prog },
-    Builtin { name: "GET_TIME", params: &[Param::OutInteger], required: 1, returns: Returns::Nothing, code: get_time },
     Builtin { name: "GET_TSK_INFO", params: &[Param::InOutText, Param::InOutInteger, Param::Integer, Param::OutInteger, Param::OutText, Param::OutInteger], required: 6, returns: Returns::Nothing, code: get_tsk_info },
     Builtin { name: "PAUSE_TASK", params: &[Param::Text, Param::Boolean, Param::Boolean, Param::OutInteger], required: 4, returns: Returns::Nothing, code: pause_task },
+    Builtin { name: "LOAD_STATUS", params: &[Param::Text, Param::OutBoolean, Param::OutBoolean], required: 3, returns: Returns::Nothing, code: load_status },
+    Builtin { name: "PROG_LIST", params: &[Param::Text, Param::Integer, Param::Integer, Param::OutInteger, Param::TextArray, Param::OutInteger, Param::OutInteger], required: 6, returns: Returns::Nothing, code: prog_list },
+    Builtin { name: "SELECT_TPE", params: &[Param::Text, Param::OutInteger], required: 2, returns: Returns::Nothing, code: select },
     Builtin { name: "RUN_TASK", params: &[Param::Text, Param::Integer, Param::Boolean, Param::Boolean, Param::Integer, Param::OutInteger], required: 6, returns: Returns::Nothing, code: run_task },
 ];
 
@@ -212,24 +217,76 @@ fn report(context: &mut Context<'_>, found: &Found) -> Status {
     Status::OK
 }
 
-/// Date and time in one number: seconds/2 in 5 bits, minutes in 6, hours in 5, day in 5, month in
-/// 4, years since 1980 in 7.
-///
-/// ASSUMPTION: this crate has no calendar; the controller's clock starts at 1980-01-01 00:00 when it
-/// is switched on.
-fn get_time(context: &mut Context<'_>) -> Result<Outcome, Fault> {
-    let seconds = context.host.now().as_secs();
-    let (minutes, hours, days) = (seconds / 60 % 60, seconds / 3600 % 24, seconds / 86_400);
-    // Beyond a month nobody looks; the day stays the last.
-    let day = 1 + days.min(30);
-    let date = (day << 16) | (1 << 21);
-    let packed = date | (hours << 11) | (minutes << 5) | (seconds % 60 / 2);
-    context.put(0, Cell::Integer(i32::try_from(packed).unwrap_or(i32::MAX)));
-    Ok(Outcome::Done)
-}
-
 /// The program whose routine runs.
 fn curr_prog(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     let name = Text::from(context.program.name());
     Ok(Outcome::Value(Cell::Text(name)))
+}
+
+/// Runs a program in this task; the statement ends when that program does. One that is not loaded
+/// ends the task.
+///
+/// ASSUMPTION: the index, a cache of the name, is not looked at; a program of KAREL is started at the
+/// first statement at or behind the line; it is never paused at its entry.
+fn call(context: &mut Context<'_>, line: i32) -> Result<Outcome, Fault> {
+    let wanted = name(context, 0).to_ascii_uppercase();
+    let line =
+        u32::try_from(line).map_err(|_| Fault::argument(format!("{wanted} has no line {line}")))?;
+    Ok(Outcome::CallProgram { name: wanted, line })
+}
+
+/// Whether a program is loaded, and so its variables.
+fn load_status(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    let wanted = name(context, 0);
+    let mut programs = context.programs.iter();
+    let loaded = programs.any(|loaded| loaded.name().eq_ignore_ascii_case(&wanted));
+    context.put(1, Cell::Boolean(loaded));
+    context.put(2, Cell::Boolean(loaded));
+    Ok(Outcome::Done)
+}
+
+/// `SELECT_TPE(name, status)`: the program of the pendant.
+///
+/// ASSUMPTION: nothing but the status can be seen of it here.
+fn select(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    let wanted = name(context, 0);
+    let mut programs = context.programs.iter();
+    let loaded = programs.any(|loaded| loaded.name().eq_ignore_ascii_case(&wanted));
+    let status = if loaded {
+        Status::OK
+    } else {
+        Status::MEMO_NO_PROGRAM
+    };
+    context.put_status(1, status);
+    Ok(Outcome::Done)
+}
+
+/// `PROG_LIST(pattern, type, skip, format, names, count, status)`.
+///
+/// ASSUMPTION: the type and the format change nothing; names that do not fit are left out.
+fn prog_list(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    let pattern = name(context, 0).to_ascii_uppercase();
+    let skip = usize::try_from(context.integer(2)).unwrap_or(0);
+    let at = context.variable(4);
+    let room = super::variable::array_length(context.ty(4), at.extra);
+    let mut longest = split_text_array(at.extra).1;
+    if let Type::Array(array) = context.ty(4) {
+        longest = array.element.length().unwrap_or(longest);
+    }
+    let start = pattern.trim_end_matches('*');
+    let exact = start.len() == pattern.len();
+    let names = context.programs.iter().map(Loaded::name);
+    let fits = |name: &&str| name.starts_with(start) && (!exact || *name == start);
+    let mut count = 0;
+    for (found, offset) in names.filter(fits).skip(skip).zip(0..room) {
+        let mut text = Text::from(found);
+        text.truncate(longest as usize);
+        context.memory.set(at.plus(offset), Cell::Text(text));
+        count = offset + 1;
+    }
+    context.put(5, Cell::Integer(i32::try_from(count).unwrap_or(i32::MAX)));
+    if context.has_arg(6) {
+        context.put_status(6, Status::OK);
+    }
+    Ok(Outcome::Done)
 }

@@ -11,7 +11,7 @@ use crate::{
     status::Status,
     syspath::SysPath,
     sysvars,
-    types::Type,
+    types::{Type, split_text_array},
     value::{SysValue, Value},
 };
 
@@ -30,16 +30,22 @@ fn uninit(context: &mut Context<'_>) -> Result<Outcome, Fault> {
 }
 
 fn array_len(context: &mut Context<'_>) -> Result<Outcome, Fault> {
-    let open = context.variable(0).extra;
-    let length = if let Type::Array(array) = context.ty(0) {
-        array.dims.first().copied()
-    } else {
-        None
-    };
-    let length = length.unwrap_or(open);
+    let length = array_length(context.ty(0), context.variable(0).extra);
     Ok(Outcome::Value(Cell::Integer(
         i32::try_from(length).unwrap_or(i32::MAX),
     )))
+}
+
+/// The length of an array that is passed with `extra` beside its address.
+pub(super) fn array_length(ty: &Type, extra: u32) -> u32 {
+    let Type::Array(array) = ty else {
+        return extra;
+    };
+    match array.dims.first() {
+        Some(length) => *length,
+        None if array.element == Type::TEXT => split_text_array(extra).0,
+        None => extra,
+    }
 }
 
 /// Where the path of the second and third argument leads.

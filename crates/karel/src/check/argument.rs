@@ -19,6 +19,7 @@ impl Checker<'_> {
             Param::InOutInteger => self.in_out_arg(arg, &Type::Integer),
             Param::InOutText => self.in_out_arg(arg, &Type::TEXT),
             Param::Position(kind) => self.value_arg(arg, &Type::Position(kind)),
+            Param::Vector => self.value_arg(arg, &Type::vector()),
             Param::Number => {
                 let value = self.expr(arg);
                 if !value.ty.is_number() {
@@ -60,6 +61,18 @@ impl Checker<'_> {
                 }
                 (found, ty)
             }
+            Param::TextArray => {
+                let (found, ty) = self.any_variable(arg, false);
+                let mut fits = ty == Type::Error;
+                if let Type::Array(array) = &ty {
+                    fits = array.element.is_text() && array.dims.len() <= 1;
+                }
+                if !fits {
+                    let message = format!("expected an ARRAY OF STRING, this is {ty}");
+                    self.reports.error(arg.span, message);
+                }
+                (found, ty)
+            }
             Param::OutConfig => self.out_arg(arg, &Type::Config),
             Param::OutBoolean => self.out_arg(arg, &Type::Boolean),
             Param::OutInteger => self.out_arg(arg, &Type::Integer),
@@ -87,12 +100,14 @@ impl Checker<'_> {
     /// A variable of exactly this type, or a constant, which is legal and ignored.
     fn out_arg(&mut self, arg: &ast::Expr, wanted: &Type) -> (Arg, Type) {
         let value = self.expr(arg);
-        let fits = value.ty == *wanted || (value.ty.is_text() && wanted.is_text());
-        if value.ty != Type::Error && !fits {
-            let message = format!(
-                "this output needs a variable of type {wanted}, not {}",
-                value.ty
-            );
+        let actual = if let ExprKind::Place(place) = &value.kind {
+            &place.ty
+        } else {
+            &value.ty
+        };
+        let fits = actual == wanted || (actual.is_text() && wanted.is_text());
+        if *actual != Type::Error && !fits {
+            let message = format!("this output needs a variable of type {wanted}, not {actual}");
             self.reports.error(arg.span, message);
         }
         let ty = value.ty;

@@ -7,7 +7,7 @@ use crate::{
     ir::{self, External},
     span::Span,
     typed::{Arg, BuiltinCall, Call, Callee, Expr, ExprKind, StmtKind},
-    types::{JointKind, PositionKind, TextLength, Type},
+    types::{self, JointKind, PositionKind, TextLength, Type},
 };
 
 impl Checker<'_> {
@@ -160,10 +160,13 @@ impl Checker<'_> {
         let is_variable = matches!(arg.kind, ast::ExprKind::Path(_));
         if let ExprKind::Place(place) = value.kind {
             if is_variable && passes_by_reference(&place.ty, formal) {
-                return Arg::Reference(place);
+                return match text_array(&place.ty, formal) {
+                    Some(lengths) => Arg::TextArray { place, lengths },
+                    None => Arg::Reference(place),
+                };
             }
             let value = Expr {
-                ty: place.ty.clone(),
+                ty: place.ty.of_value(),
                 kind: ExprKind::Place(place),
             };
             return self.copied_arg(value, formal, arg.span);
@@ -178,6 +181,10 @@ impl Checker<'_> {
                 .error(span, "a FILE can only be passed as a variable");
         }
         let open = matches!(formal, Type::Array(array) if array.dims.is_empty());
+        if matches!(formal, Type::Array(array) if array.element == Type::TEXT) {
+            self.reports
+                .error(span, "an array of strings can only be passed as a variable");
+        }
         let formal = if open {
             value.ty.clone()
         } else {
@@ -203,16 +210,7 @@ impl Checker<'_> {
             checked.push(arg);
             types.push(ty);
         }
-        let result = match builtin.returns {
-            Returns::Nothing => None,
-            Returns::Integer => Some(Type::Integer),
-            Returns::Real => Some(Type::Real),
-            Returns::Boolean => Some(Type::Boolean),
-            Returns::Text => Some(Type::TEXT),
-            Returns::XyzwprExt => Some(Type::Position(PositionKind::XyzwprExt)),
-            Returns::Joints => Some(Type::Joints(JointKind::OfGroup)),
-            Returns::SameAsFirst => types.first().cloned(),
-        };
+        let result = result_type(builtin, &types);
         Some(BuiltinCall {
             builtin,
             args: checked,
@@ -222,11 +220,42 @@ impl Checker<'_> {
     }
 }
 
+/// The type of what a built-in returns.
+pub(super) fn result_type(builtin: &Builtin, types: &[Type]) -> Option<Type> {
+    match builtin.returns {
+        Returns::Nothing => None,
+        Returns::Integer => Some(Type::Integer),
+        Returns::Real => Some(Type::Real),
+        Returns::Boolean => Some(Type::Boolean),
+        Returns::Text => Some(Type::TEXT),
+        Returns::XyzwprExt => Some(Type::Position(PositionKind::XyzwprExt)),
+        Returns::Position => Some(Type::Position(PositionKind::Position)),
+        Returns::Vector => Some(Type::vector()),
+        Returns::Joints => Some(Type::Joints(JointKind::OfGroup)),
+        Returns::SameAsFirst => types.first().cloned(),
+    }
+}
+
+/// Both lengths of an array of strings that is passed where both are open.
+fn text_array(actual: &Type, formal: &Type) -> Option<u32> {
+    let (Type::Array(from), Type::Array(to)) = (actual, formal) else {
+        return None;
+    };
+    if to.element != Type::TEXT {
+        return None;
+    }
+    let ([length], Some(text)) = (from.dims.as_slice(), from.element.length()) else {
+        return None;
+    };
+    Some(types::text_array_lengths(*length, text))
+}
+
 fn passes_by_reference(actual: &Type, formal: &Type) -> bool {
     match (actual, formal) {
         (Type::Text(_), Type::Text(TextLength::Any)) => true,
         (Type::Array(from), Type::Array(to)) if to.dims.is_empty() => {
-            from.element == to.element && from.dims.len() <= 1
+            let texts = to.element == Type::TEXT && from.element.is_text();
+            (from.element == to.element || texts) && from.dims.len() <= 1
         }
         _ => actual == formal,
     }

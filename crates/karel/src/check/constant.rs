@@ -21,6 +21,19 @@ pub(super) fn predefined(name: &str) -> Option<Constant> {
         "RAD_2_DEG" => Constant::Real(180.0 / std::f32::consts::PI),
         "ATR_IA" => Constant::Integer(crate::status::attribute::IMMEDIATE),
         "ATR_TIMEOUT" => Constant::Integer(crate::status::attribute::TIMEOUT),
+        "ATR_UF" => Constant::Integer(crate::status::attribute::UNFORMATTED),
+        "ATR_FIELD" => Constant::Integer(crate::status::attribute::FIELD),
+        "ATR_EOL" => Constant::Integer(crate::status::attribute::END_OF_LINE),
+        "ATR_PASSALL" => Constant::Integer(crate::status::attribute::PASS_ALL),
+        "ATR_READAHD" => Constant::Integer(crate::status::attribute::READ_AHEAD),
+        "ATR_REVERSE" => Constant::Integer(crate::status::attribute::REVERSE),
+        "ATR_PIPOVADV" => Constant::Integer(crate::status::attribute::PIPE_OVERFLOW),
+        "ATR_PIPWAIT" => Constant::Integer(crate::status::attribute::PIPE_WAIT),
+        "ATR_XONOFF" => Constant::Integer(crate::status::attribute::FLOW),
+        "ATR_MODEM" => Constant::Integer(crate::status::attribute::MODEM),
+        "TP_PANEL" => Constant::Integer(0),
+        "CRT_PANEL" => Constant::Integer(1),
+        _ if name.starts_with("SPI_") => return screen(name),
         "TSK_STATUS" => Constant::Integer(crate::status::task::STATUS),
         "TSK_LINENUM" => Constant::Integer(crate::status::task::LINE),
         "TSK_PROGNAME" => Constant::Integer(crate::status::task::PROGRAM),
@@ -37,6 +50,29 @@ pub(super) fn predefined(name: &str) -> Option<Constant> {
         "CIRCULAR" => Constant::Integer(8),
         _ => return None,
     })
+}
+
+/// Screens of the pendant, for `FORCE_SPMENU`.
+fn screen(name: &str) -> Option<Constant> {
+    const SCREENS: &[&str] = &[
+        "SPI_TPUSER",
+        "SPI_TPUSER2",
+        "SPI_TPALARM",
+        "SPI_TPPROG",
+        "SPI_TPSELECT",
+        "SPI_TPFILE",
+        "SPI_TPDATA",
+        "SPI_TPPOSN",
+        "SPI_TPIO",
+        "SPI_TPSTATUS",
+        "SPI_TPSETUP",
+        "SPI_TPTEST",
+        "SPI_TPHAND",
+        "SPI_TPMANFUNC",
+        "SPI_TPSYSVAR",
+    ];
+    let index = SCREENS.iter().position(|known| *known == name)?;
+    i32::try_from(index + 1).ok().map(Constant::Integer)
 }
 
 impl Checker<'_> {

@@ -30,6 +30,7 @@ impl Checker<'_> {
                 } => {
                     let ty = self.type_of(written, None);
                     self.refuse_open(&ty, written);
+                    self.refuse_small(&ty, written);
                     if let Some(home) = home
                         && home.text != self.program
                     {
@@ -195,10 +196,12 @@ impl Checker<'_> {
         let mut params = Vec::new();
         for param in &routine.params {
             let ty = self.type_of(&param.ty, None);
+            self.refuse_small(&ty, &param.ty);
             params.extend(param.names.iter().map(|name| (name.clone(), ty.clone())));
         }
         let result = routine.result.as_ref().map(|written| {
             let ty = self.type_of(written, None);
+            self.refuse_small(&ty, written);
             if !matches!(ty, Type::Text(_)) {
                 self.refuse_open(&ty, written);
             }

@@ -1,10 +1,11 @@
 //! Expressions: types, operators, conversions.
 
-use super::Checker;
+use super::{Checker, call::result_type};
 use crate::{
     ast::{self, BinaryOp, Relation, UnaryOp},
+    builtins::{self, Builtin, Param},
     span::Span,
-    typed::{Constant, Expr, ExprKind, Op},
+    typed::{Arg, BuiltinCall, Constant, Expr, ExprKind, Op},
     types::Type,
     value::Text,
 };
@@ -113,14 +114,11 @@ impl Checker<'_> {
                     return result(Op::Relation(relation), Type::Boolean, left, right);
                 }
             }
-            BinaryOp::Approx | BinaryOp::Compose | BinaryOp::Inner | BinaryOp::Cross => {
-                self.reports.error(
-                    span,
-                    format!("the operator `{}` is not supported yet", op.text()),
-                );
-                return None;
-            }
-            BinaryOp::Add
+            BinaryOp::Approx
+            | BinaryOp::Compose
+            | BinaryOp::Inner
+            | BinaryOp::Cross
+            | BinaryOp::Add
             | BinaryOp::Subtract
             | BinaryOp::Multiply
             | BinaryOp::Divide
@@ -129,8 +127,44 @@ impl Checker<'_> {
             | BinaryOp::And
             | BinaryOp::Or => {}
         }
+        if let Some(builtin) = geometric(op, &left.ty, &right.ty) {
+            return Some(self.operator_call(builtin, left, right, span));
+        }
         self.wrong_operands(op, &left.ty, &right.ty, span);
         None
+    }
+
+    /// An operator on vectors and positions: a built-in that has no name in programs.
+    fn operator_call(
+        &mut self,
+        builtin: &'static Builtin,
+        left: Expr,
+        right: Expr,
+        span: Span,
+    ) -> Expr {
+        let mut args = Vec::new();
+        let mut types = Vec::new();
+        for (operand, param) in [left, right].into_iter().zip(builtin.params) {
+            let wanted = if let Param::Position(kind) = param {
+                Type::Position(*kind)
+            } else if let Param::Vector = param {
+                Type::vector()
+            } else {
+                Type::Real
+            };
+            args.push(Arg::Value(self.convert(operand, &wanted, span)));
+            types.push(wanted);
+        }
+        let ty = result_type(builtin, &types).unwrap_or(Type::Error);
+        Expr {
+            kind: ExprKind::Builtin(BuiltinCall {
+                builtin,
+                args,
+                types,
+                result: Some(ty.clone()),
+            }),
+            ty,
+        }
     }
 
     fn wrong_operands(&mut self, op: BinaryOp, left: &Type, right: &Type, span: Span) {
@@ -146,11 +180,10 @@ impl Checker<'_> {
             | BinaryOp::Subtract
             | BinaryOp::Multiply
             | BinaryOp::Divide
-            | BinaryOp::Relation(_)
-            | BinaryOp::Approx
-            | BinaryOp::Compose
-            | BinaryOp::Inner
-            | BinaryOp::Cross => return self.reports.error(span, message),
+            | BinaryOp::Relation(_) => return self.reports.error(span, message),
+            BinaryOp::Approx => "`>=<` compares two positions",
+            BinaryOp::Compose => "`:` takes two POSITIONs, or a POSITION and a VECTOR",
+            BinaryOp::Inner | BinaryOp::Cross => "`@` and `#` take two VECTORs",
         };
         self.reports.error_with_help(span, message, help);
     }
@@ -205,6 +238,20 @@ impl Checker<'_> {
             }
         }
     }
+}
+
+/// The built-in behind an operator on vectors and positions.
+fn geometric(op: BinaryOp, left: &Type, right: &Type) -> Option<&'static Builtin> {
+    let kind = |ty: &Type| {
+        if ty.position_kind().is_some() {
+            Some('P')
+        } else if ty.is_vector() {
+            Some('V')
+        } else {
+            ty.is_number().then_some('R')
+        }
+    };
+    builtins::find(&format!("{}{}{}", op.text(), kind(left)?, kind(right)?))
 }
 
 /// `+ - *` of two numbers: INTEGER if both are, else REAL.

@@ -36,6 +36,8 @@ pub(crate) struct Checked {
     pub(crate) global_cells: u32,
     /// Cells of the globals that are FILE variables.
     pub(crate) global_files: Vec<u32>,
+    /// Cells of the FILE variables that are windows of the pendant.
+    pub(crate) windows: Vec<u32>,
     /// Names of the variables that keep their values without power.
     pub(crate) persistent: Vec<String>,
     /// Variables of other programs.
@@ -63,6 +65,7 @@ pub(crate) fn check(program: &ast::Program, reports: &mut Reports) -> Checked {
         cmos_vars: false,
         persistent: Vec::new(),
         frame: Frame::default(),
+        windows: Vec::new(),
         handler: None,
     };
     checker.directives(&program.directives);
@@ -85,6 +88,8 @@ struct Checker<'a> {
     /// Variables that keep their values without power.
     persistent: Vec<String>,
     frame: Frame,
+    /// FILE variables that exist without a declaration, and their cells.
+    windows: Vec<(String, u32)>,
     /// What is checked belongs to a condition handler.
     handler: Option<Handler>,
 }
@@ -217,6 +222,7 @@ impl Checker<'_> {
             globals: self.globals.into_variables(),
             externals: self.externals,
             shared: self.shared,
+            windows: self.windows.into_iter().map(|(_, cell)| cell).collect(),
             attributes: self.attributes,
             persistent: self.persistent,
             routines,

@@ -60,6 +60,14 @@ impl Checker<'_> {
                     .error_with_help(path.span, message, "use a variable of the program");
                 return None;
             }
+            None if self.is_predefined_file(path) => {
+                let cell = self.window(&path.root.text);
+                return Some(Place {
+                    root: typed::Root::Global(cell),
+                    steps: Vec::new(),
+                    ty: Type::File,
+                });
+            }
             None if predefined(&path.root.text).is_some() => {
                 let message = format!("`{}` is a constant, not a variable", path.root.text);
                 self.reports.error(path.root.span, message);
@@ -75,6 +83,16 @@ impl Checker<'_> {
             steps: Vec::new(),
             ty,
         })
+    }
+
+    /// The cell of a FILE variable that exists without a declaration.
+    fn window(&mut self, name: &str) -> u32 {
+        if let Some((_, cell)) = self.windows.iter().find(|(known, _)| known == name) {
+            return *cell;
+        }
+        let cell = self.globals.allocate(&Type::File);
+        self.windows.push((name.to_owned(), cell));
+        cell
     }
 
     fn field_step(&mut self, place: &mut Place, name: &Name) -> Option<()> {
@@ -117,7 +135,13 @@ impl Checker<'_> {
             self.reports.error(span, message);
             return None;
         }
-        let element_cells = array.element.size();
+        let open_texts = array.dims.is_empty() && array.element == Type::TEXT;
+        let element_cells = if open_texts {
+            // The reference tells the length of the strings, too.
+            0
+        } else {
+            array.element.size()
+        };
         place.ty = array.element.clone();
         if !array.dims.is_empty() {
             let dims = array.dims.clone();
@@ -241,7 +265,7 @@ impl Checker<'_> {
         if self.using_field(&name.text).is_some() {
             let place = self.place(path)?;
             return Some(typed::Expr {
-                ty: place.ty.clone(),
+                ty: place.ty.of_value(),
                 kind: ExprKind::Place(place),
             });
         }
@@ -253,7 +277,7 @@ impl Checker<'_> {
             Some(Symbol::Variable { .. } | Symbol::Type(_)) => {
                 let place = self.place(path)?;
                 return Some(typed::Expr {
-                    ty: place.ty.clone(),
+                    ty: place.ty.of_value(),
                     kind: ExprKind::Place(place),
                 });
             }
@@ -270,6 +294,13 @@ impl Checker<'_> {
         if self.is_routine(&name.text) {
             self.refuse_steps(path)?;
             return self.function_call(name, &[]);
+        }
+        if self.is_predefined_file(path) {
+            let place = self.place(path)?;
+            return Some(typed::Expr {
+                ty: place.ty.of_value(),
+                kind: ExprKind::Place(place),
+            });
         }
         if let Some(constant) = predefined(&name.text) {
             self.refuse_steps(path)?;

@@ -59,6 +59,7 @@ impl Scope {
             | Type::Config
             | Type::Position(_)
             | Type::Joints(_)
+            | Type::Small(_)
             | Type::Error => {}
         }
     }

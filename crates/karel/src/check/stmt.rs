@@ -144,7 +144,7 @@ impl Checker<'_> {
                 .error(target.span, "a FILE variable cannot be assigned");
             return None;
         }
-        let value = self.expr_of(value, &place.ty);
+        let value = self.expr_of(value, &place.ty.of_value());
         Some(StmtKind::Assign {
             target: Target::Place(place),
             value,

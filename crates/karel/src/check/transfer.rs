@@ -10,7 +10,7 @@ use crate::{
 };
 
 /// File variables that exist without a declaration; WRITE shows their text on the pendant.
-const PREDEFINED: &[&str] = &[
+pub(super) const PREDEFINED: &[&str] = &[
     "CRTERROR",
     "CRTFUNC",
     "CRTPROMPT",
@@ -82,7 +82,7 @@ impl Checker<'_> {
     /// Whether values of this type have a text form.
     fn expect_transferable(&mut self, statement: &str, ty: &Type, span: Span) -> Option<()> {
         match ty {
-            Type::Integer | Type::Real | Type::Boolean | Type::Text(_) => Some(()),
+            Type::Integer | Type::Real | Type::Boolean | Type::Text(_) | Type::Small(_) => Some(()),
             Type::Error => None,
             Type::File
             | Type::Config
@@ -110,7 +110,7 @@ impl Checker<'_> {
         )
     }
 
-    fn is_predefined_file(&self, path: &Path) -> bool {
+    pub(super) fn is_predefined_file(&self, path: &Path) -> bool {
         path.steps.is_empty()
             && PREDEFINED.contains(&path.root.text.as_str())
             && !self.is_declared(&path.root.text)

@@ -7,23 +7,20 @@ use crate::{
     ast::{Dim, Expr, Name, Param, TypeExpr, TypeKind},
     typed::Constant,
     types::{
-        ArrayType, Field, JointKind, MAX_CELLS, MAX_STRING, MAX_TYPE_DEPTH, PositionKind,
+        ArrayType, Field, JointKind, MAX_CELLS, MAX_STRING, MAX_TYPE_DEPTH, PositionKind, Small,
         StructureType, TextLength, Type,
     },
 };
 
 /// Types of KAREL that this crate does not run yet.
 const NOT_YET: &[&str] = &[
-    "BYTE",
     "CAM_SETUP",
     "COMMON_ASSOC",
     "GROUP_ASSOC",
     "MODEL",
     "PATH",
     "QUEUE_TYPE",
-    "SHORT",
     "STD_PTH_NODE",
-    "VECTOR",
     "VIS_PROCESS",
 ];
 
@@ -75,6 +72,9 @@ impl Checker<'_> {
             "BOOLEAN" => Type::Boolean,
             "FILE" => Type::File,
             "CONFIG" => Type::Config,
+            "SHORT" => Type::Small(Small::Short),
+            "BYTE" => Type::Small(Small::Byte),
+            "VECTOR" => Type::vector(),
             "POSITION" => Type::Position(PositionKind::Position),
             "XYZWPR" => Type::Position(PositionKind::Xyzwpr),
             "XYZWPREXT" => Type::Position(PositionKind::XyzwprExt),
@@ -90,9 +90,21 @@ impl Checker<'_> {
         }
     }
 
+    /// BYTE and SHORT save room where there are many of them, and nowhere else.
+    pub(super) fn refuse_small(&mut self, ty: &Type, written: &TypeExpr) {
+        if matches!(ty, Type::Small(_)) {
+            let message = format!("{ty} can only be an element of an array or a field");
+            let help = "use INTEGER";
+            self.reports.error_with_help(written.span, message, help);
+        }
+    }
+
     fn array_type(&mut self, dims: &[Dim], element: &TypeExpr) -> Type {
         let element_type = self.type_of(element, None);
-        self.refuse_open(&element_type, element);
+        let open = dims.is_empty() || matches!(dims, [Dim::Open(_)]);
+        if !(open && element_type == Type::TEXT) {
+            self.refuse_open(&element_type, element);
+        }
         let mut lengths = Vec::new();
         for dim in dims {
             match dim {
@@ -202,6 +214,7 @@ impl Checker<'_> {
             | Type::Position(_)
             | Type::Joints(_)
             | Type::Structure(_)
+            | Type::Small(_)
             | Type::Error => false,
         };
         if open {

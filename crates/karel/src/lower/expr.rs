@@ -223,6 +223,10 @@ impl Lowering<'_> {
     fn argument(&mut self, arg: &Arg) {
         match arg {
             Arg::Reference(place) => self.reference(place),
+            Arg::TextArray { place, lengths } => {
+                self.address(place);
+                self.emit(Op::Extra(*lengths));
+            }
             Arg::Copy { value, formal } => self.copied_argument(value, formal),
             Arg::Value(value) => self.value(value),
             Arg::Discard | Arg::System(_) => self.emit(Op::PushDiscard),
@@ -277,6 +281,7 @@ fn comparison(relation: Relation, operands: &Type) -> Op {
         Type::Text(_) => Op::Rare(Rare::CompareText(relation)),
         Type::Boolean => Op::Rare(Rare::CompareBoolean(relation)),
         Type::Integer
+        | Type::Small(_)
         | Type::File
         | Type::Config
         | Type::Position(_)

@@ -40,6 +40,10 @@ impl Lowering<'_> {
         if let Type::Text(TextLength::AtMost(length)) = place.ty {
             self.emit(Op::Truncate(length));
         }
+        if let Type::Small(small) = place.ty {
+            let (least, most) = small.range();
+            self.emit(Op::Rare(Rare::CheckRange { least, most }));
+        }
         self.emit(match (target, place.root) {
             (Some(Fixed::Global(cell)), _) => Op::StoreGlobal(cell),
             (Some(Fixed::Local(cell)), _) => Op::StoreLocal(cell),
@@ -47,6 +51,7 @@ impl Lowering<'_> {
                 Op::StoreTextParam(cell)
             }
             (None, Root::Param(cell)) if direct => Op::StoreParam(cell),
+            (None, _) if place.ty == Type::TEXT => Op::Rare(Rare::StoreTextIndirect),
             (None, _) => Op::StoreIndirect,
         });
     }
@@ -92,7 +97,11 @@ impl Lowering<'_> {
                     element_cells,
                 } => {
                     self.scalar(subscript);
-                    self.emit(Op::OpenIndex(*element_cells));
+                    self.emit(if *element_cells == 0 {
+                        Op::Rare(Rare::OpenTextIndex)
+                    } else {
+                        Op::OpenIndex(*element_cells)
+                    });
                 }
             }
         }

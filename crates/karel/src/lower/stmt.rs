@@ -5,7 +5,7 @@ use crate::{
     ast::{Direction, Relation, TaskVerb},
     ir::{Op, Outward, ReadPart, ReadShape, ScalarType, WritePart, WriteShape},
     typed::{Case, Constant, Expr, ExprKind, Place, ReadItem, Stmt, StmtKind, Target, WriteItem},
-    types::Type,
+    types::{Small, Type},
 };
 
 impl<'a> Lowering<'a> {
@@ -344,7 +344,14 @@ impl<'a> Lowering<'a> {
                     }
                     let formats = count(formats.len());
                     operands += 1 + formats;
-                    WritePart::Value { formats }
+                    WritePart::Value {
+                        ty: if let ExprKind::Place(place) = &value.kind {
+                            scalar_type(&place.ty)
+                        } else {
+                            scalar_type(&value.ty)
+                        },
+                        formats,
+                    }
                 }
             });
         }
@@ -363,6 +370,8 @@ fn scalar_type(ty: &Type) -> ScalarType {
         Type::Real => ScalarType::Real,
         Type::Boolean => ScalarType::Boolean,
         Type::Text(_) => ScalarType::Text,
+        Type::Small(Small::Short) => ScalarType::Short,
+        Type::Small(Small::Byte) => ScalarType::Byte,
         Type::Integer
         | Type::File
         | Type::Config

@@ -34,6 +34,23 @@ impl Exec<'_> {
         Ok(flow)
     }
 
+    /// Calls a whole program by its name, from the first statement at or behind a line.
+    pub(super) fn call_program_at(&mut self, name: &str, line: u32) -> Result<Flow, Fault> {
+        let flow = self.call_program(name)?;
+        if line > 1 {
+            let code = &self.program.code;
+            let main = code.routines.first();
+            let entry = main.map_or(0, |main| main.entry as usize);
+            let mut lines = code.lines.iter().enumerate().skip(entry);
+            let Some((pc, _)) = lines.find(|(_, of)| **of >= line) else {
+                let message = format!("{name} has no line {line}");
+                return Err(Fault::new(Status::INTP_CALL_FAILED, message));
+            };
+            self.task.pc = pc;
+        }
+        Ok(flow)
+    }
+
     /// Calls a whole program by its name, in this task.
     pub(super) fn call_program(&mut self, name: &str) -> Result<Flow, Fault> {
         let mut programs = self.programs.iter().enumerate();

@@ -67,6 +67,50 @@ pub(crate) struct FileCell {
     pub(crate) line_state: LineState,
     /// `ATR_TIMEOUT` in milliseconds, 0 for none. It stays when the file is closed.
     pub(crate) timeout_ms: u32,
+    /// A set of [`FileFlag`]; those of attributes stay, too.
+    flags: u8,
+    /// `ATR_EOL`, 0 for CR and LF.
+    pub(crate) line_end: u8,
+}
+
+/// What is true or not of a FILE variable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum FileFlag {
+    /// `ATR_UF`.
+    Binary = 1,
+    /// `ATR_REVERSE`.
+    Reverse = 2,
+    /// `ATR_PIPWAIT`.
+    PipeWaits = 4,
+    /// The file is a pipe.
+    Pipe = 8,
+    /// A window of the pendant, which is never opened.
+    Window = 16,
+}
+
+impl FileCell {
+    pub(crate) fn has(self, flag: FileFlag) -> bool {
+        self.flags & flag as u8 != 0
+    }
+
+    pub(crate) fn set(&mut self, flag: FileFlag) {
+        self.flags |= flag as u8;
+    }
+
+    pub(crate) fn unset(&mut self, flag: FileFlag) {
+        self.flags &= !(flag as u8);
+    }
+
+    /// The same variable without a file.
+    pub(crate) fn closed(mut self, status: i32) -> FileCell {
+        self.unset(FileFlag::Pipe);
+        FileCell {
+            file: None,
+            status,
+            line_state: LineState::Inside,
+            ..self
+        }
+    }
 }
 
 /// Where a cell is, and a length that belongs to the reference: of an open array or a string.
@@ -337,6 +381,13 @@ impl Memory<'_> {
                 return self.set_joints(at, *kind, value);
             }
             (Type::Integer, Value::Integer(value)) => Cell::Integer(*value),
+            (Type::Small(small), Value::Integer(value)) => {
+                let (least, most) = small.range();
+                if !(least..=most).contains(value) {
+                    return false;
+                }
+                Cell::Integer(*value)
+            }
             (Type::Real, Value::Real(value)) => Cell::Real(*value),
             (Type::Real, Value::Integer(value)) => Cell::Real(crate::value::real_of(*value)),
             (Type::Boolean, Value::Boolean(value)) => Cell::Boolean(*value),
@@ -374,6 +425,7 @@ impl Memory<'_> {
             | Type::File
             | Type::Config
             | Type::Joints(JointKind::OfGroup)
+            | Type::Small(_)
             | Type::Error => *self.get(at) == Cell::Uninit,
         }
     }

@@ -16,11 +16,12 @@ use crate::{
     error::RuntimeError,
     host::{Host, TaskId, Wait},
     ir::{Op, Rare},
+    port::Comments,
     program::Program,
     registers::Registers,
-    run::Limits,
+    run::{ByteOrder, Limits},
     status::Status,
-    types::{MAX_STRING, Type},
+    types::{MAX_STRING, Type, split_text_array},
     value::real_of,
 };
 
@@ -36,6 +37,8 @@ pub(super) struct Exec<'a> {
     pub(super) timers: &'a mut Timers,
     pub(super) semaphores: &'a mut Semaphores,
     pub(super) pulses: &'a mut Pulses,
+    pub(super) byte_order: ByteOrder,
+    pub(super) comments: &'a mut Comments,
     pub(super) task: &'a mut Task,
     pub(super) host: &'a mut dyn Host,
     pub(super) limits: &'a Limits,
@@ -244,6 +247,26 @@ impl Exec<'_> {
                 }
                 let position = self.memory().position(from, from_kind)?;
                 self.memory().set_position(to, to_kind, &position);
+            }
+            Rare::OpenTextIndex => {
+                let subscript = self.pop_integer();
+                let address = self.pop_address();
+                let (length, text) = split_text_array(address.extra);
+                let offset = subscript_offset(subscript, length)?;
+                self.push(Cell::Address(address.plus(offset).with_extra(text)));
+            }
+            Rare::StoreTextIndirect => {
+                let mut text = self.pop_text();
+                let address = self.pop_address();
+                text.truncate(address.extra as usize);
+                self.memory().set(address, Cell::Text(text));
+            }
+            Rare::CheckRange { least, most } => {
+                let value = self.operand(0).expect_integer();
+                if !(least..=most).contains(&value) {
+                    let message = format!("{value} is not in {least} to {most}");
+                    return Err(Fault::new(Status::INTP_OVERFLOW, message));
+                }
             }
             Rare::CopyJoints {
                 from: from_cells,

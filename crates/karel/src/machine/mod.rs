@@ -28,11 +28,12 @@ use crate::{
     error::{CallSite, RuntimeError},
     host::{Host, TaskId},
     ir::Op,
+    port::Comments,
     program::Program,
     registers::Registers,
-    run::{Limits, Run, Slice, TaskState, TaskView},
+    run::{ByteOrder, Limits, Run, Slice, TaskState, TaskView},
 };
-use cell::{Cell, FileCell};
+use cell::Cell;
 use exec::{Exec, Stop};
 use link::Link;
 use pulse::Pulses;
@@ -60,6 +61,9 @@ pub struct Machine {
     timers: Timers,
     semaphores: Semaphores,
     pulses: Pulses,
+    byte_order: ByteOrder,
+    /// Comments of ports.
+    comments: Comments,
 }
 
 #[derive(Debug)]
@@ -74,6 +78,15 @@ pub(crate) struct Loaded {
 impl Loaded {
     pub(crate) fn name(&self) -> &str {
         self.program.name()
+    }
+
+    pub(crate) fn is_pausable_by_error(&self) -> bool {
+        self.program
+            .is_pausable(crate::program::Interruption::Error)
+    }
+
+    pub(crate) fn is_abortable_by_error(&self) -> bool {
+        self.program.is_abortable_by_error()
     }
 
     /// Name and source line of an instruction.
@@ -152,7 +165,14 @@ impl Machine {
             timers: Timers::default(),
             semaphores: Semaphores::default(),
             pulses: Pulses::default(),
+            byte_order: ByteOrder::default(),
+            comments: Comments::default(),
         }
+    }
+
+    /// The order of bytes in binary files (`ATR_UF`); big endian if nobody says it.
+    pub fn set_byte_order(&mut self, order: ByteOrder) {
+        self.byte_order = order;
     }
 
     /// Loads a program; its variables are uninitialized.
@@ -173,7 +193,7 @@ impl Machine {
             .resize(base + program.global_cells as usize, Cell::Uninit);
         for file in &program.global_files {
             if let Some(cell) = self.globals.get_mut(base + *file as usize) {
-                *cell = Cell::File(FileCell::default());
+                *cell = Cell::File(program.closed_file(*file));
             }
         }
         let base = u32::try_from(base).unwrap_or(u32::MAX);
@@ -242,6 +262,8 @@ impl Machine {
             timers: &mut self.timers,
             semaphores: &mut self.semaphores,
             pulses: &mut self.pulses,
+            byte_order: self.byte_order,
+            comments: &mut self.comments,
             task,
             host,
             limits: &self.limits,
@@ -395,7 +417,7 @@ fn close_left_open(loaded: &Loaded, globals: &mut [Cell], host: &mut dyn Host) {
             if let Some(file) = open_file(cell) {
                 let _ = host.close_file(file);
             }
-            *cell = Cell::File(FileCell::default());
+            *cell = Cell::File(loaded.program.closed_file(*file));
         }
     }
 }

@@ -87,6 +87,7 @@ impl Exec<'_> {
             registers: self.registers,
             semaphores: self.semaphores,
             pending: &mut self.task.pending,
+            comments: self.comments,
             running: Running {
                 name: &self.task.name,
                 line: program.code.lines.get(self.task.pc).copied().unwrap_or(0),
@@ -104,6 +105,16 @@ impl Exec<'_> {
         match outcome {
             Outcome::Pending(wait) => return Ok(Flow::Blocked(wait)),
             Outcome::EndTask => return Ok(self.end_task()),
+            Outcome::PauseTask => {
+                self.drop_operands(count);
+                self.task.paused = true;
+                self.task.pc += 1;
+                return Ok(Flow::Yield);
+            }
+            Outcome::CallProgram { name, line } => {
+                self.drop_operands(count);
+                return self.call_program_at(&name, line);
+            }
             Outcome::Done => self.drop_operands(count),
             Outcome::Value(value) => {
                 self.drop_operands(count);

@@ -1,9 +1,6 @@
 //! Switching the machine off and on, and what it remembers of before.
 
-use super::{
-    Machine,
-    cell::{Cell, FileCell},
-};
+use super::{Machine, cell::Cell};
 use crate::{
     cmos::{self, Cmos, Scalar},
     registers::Registers,
@@ -78,7 +75,7 @@ impl Machine {
         for loaded in &self.programs {
             for file in &loaded.program.global_files {
                 if let Some(cell) = self.globals.get_mut((loaded.base + file) as usize) {
-                    *cell = Cell::File(FileCell::default());
+                    *cell = Cell::File(loaded.program.closed_file(*file));
                 }
             }
         }

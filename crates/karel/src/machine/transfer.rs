@@ -5,17 +5,20 @@
 use std::time::Duration;
 
 use super::{
-    cell::{Address, Cell, FileCell},
+    cell::{Address, Cell, FileCell, FileFlag},
     exec::{Exec, Flow, row_of},
     fault::Fault,
     task::Pending,
 };
 use crate::{
+    binary,
     host::{FileId, OpenMode, Progress, Wait},
     ir::{ReadPart, ScalarType, WritePart, WriteShape},
+    run::ByteOrder,
     status::Status,
     text_reader::{self, ItemFormat, ItemKind, LineState, ReadResult, ReadValue},
     text_writer,
+    types::Small,
 };
 
 impl Exec<'_> {
@@ -29,14 +32,16 @@ impl Exec<'_> {
             b"UD" => Some(OpenMode::Update),
             _ => None,
         };
+        let name = name.to_string_lossless();
         let status = match mode {
+            _ if file.has(FileFlag::Window) => Status::INTP_PREDEFINED,
             _ if file.file.is_some() => Status::INTP_FILE_IN_USE,
             None => Status::FILE_ILLEGAL_PARAMETER,
-            Some(mode) => match self
-                .host
-                .open_file(self.id, mode, &name.to_string_lossless())
-            {
+            Some(mode) => match self.host.open_file(self.id, mode, &name) {
                 Ok(id) => {
+                    if is_pipe(&name) {
+                        file.set(FileFlag::Pipe);
+                    }
                     file.file = Some(id);
                     file.line_state = LineState::Inside;
                     Status::OK
@@ -54,14 +59,7 @@ impl Exec<'_> {
         let at = self.pop_address();
         let file = self.memory().file(at);
         let status = file.file.map_or(Status::OK, |id| self.host.close_file(id));
-        self.memory().set_file(
-            at,
-            FileCell {
-                status: status.0,
-                timeout_ms: file.timeout_ms,
-                ..FileCell::default()
-            },
-        );
+        self.memory().set_file(at, file.closed(status.0));
         Flow::Next
     }
 
@@ -97,8 +95,19 @@ impl Exec<'_> {
         file.status = 0;
         while let Some(part) = shape.items.get(item) {
             let below = (operands - 1).saturating_sub(operand);
-            let (target, format) = self.read_format(part, below);
-            match self.read_item(&mut file, format) {
+            let (target, format) = self.read_format(part, below, file.line_end);
+            let item_read = if file.has(FileFlag::Binary) {
+                self.read_binary(&mut file, part, below)
+            } else {
+                self.read_item(&mut file, format)
+            };
+            match item_read {
+                // A pipe waits only if it is told to.
+                Err(_) if file.has(FileFlag::Pipe) && !file.has(FileFlag::PipeWaits) => {
+                    file.status = Status::WOULD_BLOCK.0;
+                    self.clear_rest(shape.items.get(item..).unwrap_or_default(), below);
+                    break;
+                }
                 Err(_) if until.is_some_and(|until| until <= self.host.now()) => {
                     file.status = Status::INTP_READ_TIMEOUT.0;
                     self.clear_rest(shape.items.get(item..).unwrap_or_default(), below);
@@ -115,6 +124,11 @@ impl Exec<'_> {
                         Some(until) => Wait::ReadableUntil(id, until),
                         None => Wait::Readable(id),
                     });
+                }
+                Ok(Ok(value)) if !fits(part, &value) => {
+                    file.status = Status::INTP_ILLEGAL_DATA.0;
+                    self.clear_rest(shape.items.get(item..).unwrap_or_default(), below);
+                    break;
                 }
                 Ok(Ok(value)) => {
                     if let Some(target) = target {
@@ -140,13 +154,16 @@ impl Exec<'_> {
         &self,
         part: &ReadPart,
         below: usize,
+        line_end: u8,
     ) -> (Option<Address>, Result<ItemFormat, Status>) {
+        let line_end = (line_end != 0).then_some(line_end);
         match part {
             ReadPart::LineEnd => (
                 None,
                 Ok(ItemFormat {
                     kind: ItemKind::LineEnd,
                     width: None,
+                    line_end,
                 }),
             ),
             ReadPart::Value { ty, formats } => {
@@ -154,7 +171,9 @@ impl Exec<'_> {
                 let format = |number: usize| self.operand(below - number).expect_integer();
                 let width = (*formats >= 1).then(|| format(1));
                 let second = (*formats >= 2).then(|| format(2));
-                (Some(target), item_format(*ty, target.extra, width, second))
+                let format = item_format(*ty, target.extra, width, second);
+                let format = format.map(|format| ItemFormat { line_end, ..format });
+                (Some(target), format)
             }
         }
     }
@@ -173,7 +192,7 @@ impl Exec<'_> {
         format: Result<ItemFormat, Status>,
     ) -> Result<Result<ReadValue, Status>, FileId> {
         let Some(id) = file.file else {
-            return Ok(Err(Status::INTP_NOT_OPEN));
+            return Ok(Err(not_open(*file)));
         };
         let format = match format {
             Ok(format) => format,
@@ -188,6 +207,46 @@ impl Exec<'_> {
             ReadResult::Incomplete => Err(id),
             ReadResult::Value(value) => Ok(Ok(value)),
             ReadResult::Failed(status) => Ok(Err(status)),
+        }
+    }
+
+    /// As [`Self::read_item`], of binary data.
+    fn read_binary(
+        &mut self,
+        file: &mut FileCell,
+        part: &ReadPart,
+        below: usize,
+    ) -> Result<Result<ReadValue, Status>, FileId> {
+        let Some(id) = file.file else {
+            return Ok(Err(not_open(*file)));
+        };
+        let ReadPart::Value { ty, formats } = part else {
+            return Ok(Ok(ReadValue::Nothing));
+        };
+        let length = self.operand_address(below).extra;
+        let width = (*formats >= 1).then(|| self.operand(below - 1).expect_integer());
+        let width = match width.map(usize::try_from).transpose() {
+            Ok(width) if width.is_none_or(|width| width <= text_writer::MAX_WIDTH) => width,
+            Ok(_) | Err(_) => return Ok(Err(Status::INTP_ARGUMENT)),
+        };
+        let order = self.order_of(*file);
+        let input = self.host.input(id);
+        let (consumed, result) = binary::read_item(input, *ty, length, width, order);
+        if consumed > 0 {
+            self.host.consume(id, consumed);
+        }
+        match result {
+            ReadResult::Incomplete => Err(id),
+            ReadResult::Value(value) => Ok(Ok(value)),
+            ReadResult::Failed(status) => Ok(Err(status)),
+        }
+    }
+
+    fn order_of(&self, file: FileCell) -> ByteOrder {
+        if file.has(FileFlag::Reverse) {
+            self.byte_order.reversed()
+        } else {
+            self.byte_order
         }
     }
 
@@ -218,16 +277,23 @@ impl Exec<'_> {
         let program = self.program;
         let shape = row_of(&program.code.writes, row);
         let operands = shape.operands as usize;
-        let formatted = self.formatted(shape);
-        if !shape.to_file {
+        let mut file = FileCell::default();
+        let at = shape.to_file.then(|| self.operand_address(operands - 1));
+        if let Some(at) = at {
+            file = self.memory().file(at);
+        }
+        let formatted = self.formatted(shape, file);
+        let Some(at) = at.filter(|_| !file.has(FileFlag::Window)) else {
             self.host.display(self.id, &formatted.map_err(bad_format)?);
+            if let Some(at) = at {
+                file.status = 0;
+                self.memory().set_file(at, file);
+            }
             self.drop_operands(operands);
             return Ok(Flow::Next);
-        }
-        let at = self.operand_address(operands - 1);
-        let mut file = self.memory().file(at);
+        };
         let status = match (file.file, formatted) {
-            (None, _) => Status::INTP_NOT_OPEN,
+            (None, _) => not_open(file),
             (Some(_), Err(status)) => status,
             (Some(id), Ok(bytes)) => match self.output(id, &bytes) {
                 Ok(status) => status,
@@ -250,12 +316,20 @@ impl Exec<'_> {
         }
     }
 
-    fn formatted(&self, shape: &WriteShape) -> Result<Vec<u8>, Status> {
+    fn formatted(&self, shape: &WriteShape, file: FileCell) -> Result<Vec<u8>, Status> {
+        let binary = file.has(FileFlag::Binary).then(|| self.order_of(file));
+        let line_end = [file.line_end];
+        let line_end = match (binary, file.line_end) {
+            // Only flushes, and everything is sent at once.
+            (Some(_), _) => &[],
+            (None, 0) => text_writer::LINE_END,
+            (None, _) => line_end.as_slice(),
+        };
         let mut out = Vec::new();
         let mut below = shape.operands as usize - usize::from(shape.to_file);
         for part in &shape.items {
-            let WritePart::Value { formats } = part else {
-                out.extend_from_slice(text_writer::LINE_END);
+            let WritePart::Value { ty, formats } = part else {
+                out.extend_from_slice(line_end);
                 continue;
             };
             below -= 1;
@@ -266,6 +340,12 @@ impl Exec<'_> {
                 *width = Some(write_width(self.operand(below))?);
             }
             let [width, digits] = widths;
+            if let Some(order) = binary
+                && let Some(word) = word_of(value)
+            {
+                binary::number(&mut out, word, *ty, order);
+                continue;
+            }
             match value {
                 Cell::Integer(value) => text_writer::integer(&mut out, *value, width),
                 Cell::Real(value) => text_writer::real(&mut out, *value, width, digits),
@@ -278,6 +358,46 @@ impl Exec<'_> {
         }
         Ok(out)
     }
+}
+
+/// The bits of a number for a binary file.
+fn word_of(cell: &Cell) -> Option<u32> {
+    match cell {
+        Cell::Integer(value) => Some(value.cast_unsigned()),
+        Cell::Real(value) => Some(value.to_bits()),
+        Cell::Boolean(value) => Some(u32::from(*value)),
+        Cell::Uninit | Cell::Text(_) | Cell::Config(_) | Cell::File(_) | Cell::Address(_) => None,
+    }
+}
+
+fn is_pipe(name: &str) -> bool {
+    let device = name.split(':').next().unwrap_or_default();
+    device.trim().eq_ignore_ascii_case("PIP")
+}
+
+fn not_open(file: FileCell) -> Status {
+    if file.has(FileFlag::Window) {
+        Status::INTP_PREDEFINED
+    } else {
+        Status::INTP_NOT_OPEN
+    }
+}
+
+/// Whether a SHORT or a BYTE can hold what was read.
+fn fits(part: &ReadPart, value: &ReadValue) -> bool {
+    let small = match part {
+        ReadPart::Value {
+            ty: ScalarType::Short,
+            ..
+        } => Small::Short,
+        ReadPart::Value {
+            ty: ScalarType::Byte,
+            ..
+        } => Small::Byte,
+        ReadPart::Value { .. } | ReadPart::LineEnd => return true,
+    };
+    let (least, most) = small.range();
+    !matches!(value, ReadValue::Integer(value) if !(least..=most).contains(value))
 }
 
 fn bad_format(status: Status) -> Fault {
@@ -309,11 +429,15 @@ fn item_format(
         None => None,
     };
     let kind = match (ty, second) {
-        (ScalarType::Integer, None | Some(0)) => ItemKind::Integer { base: 10 },
-        (ScalarType::Integer, Some(base)) => match u32::try_from(base) {
-            Ok(base @ 2..=16) => ItemKind::Integer { base },
-            Ok(_) | Err(_) => return Err(Status::INTP_ARGUMENT),
-        },
+        (ScalarType::Integer | ScalarType::Short | ScalarType::Byte, None | Some(0)) => {
+            ItemKind::Integer { base: 10 }
+        }
+        (ScalarType::Integer | ScalarType::Short | ScalarType::Byte, Some(base)) => {
+            match u32::try_from(base) {
+                Ok(base @ 2..=16) => ItemKind::Integer { base },
+                Ok(_) | Err(_) => return Err(Status::INTP_ARGUMENT),
+            }
+        }
         (ScalarType::Real, _) => ItemKind::Real,
         (ScalarType::Boolean, _) => ItemKind::Boolean,
         (ScalarType::Text, None | Some(0)) => ItemKind::Text {
@@ -322,5 +446,9 @@ fn item_format(
         // Quoted strings are not supported.
         (ScalarType::Text, Some(_)) => return Err(Status::INTP_ARGUMENT),
     };
-    Ok(ItemFormat { kind, width })
+    Ok(ItemFormat {
+        kind,
+        width,
+        line_end: None,
+    })
 }

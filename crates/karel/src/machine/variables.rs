@@ -104,6 +104,7 @@ pub(crate) fn find(programs: &[Loaded], program: &str, path: &SysPath) -> Result
         | Type::Config
         | Type::Position(_)
         | Type::Joints(_)
+        | Type::Small(_)
         | Type::Error => Ok(found),
     }
 }

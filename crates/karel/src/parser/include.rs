@@ -3,7 +3,8 @@
 use super::{MAX_SOURCE_BYTES, decl::directive, is_source_text};
 use crate::{
     diagnostic::Reports,
-    include::{IncludeFiles, Includes},
+    headers,
+    include::{IncludeFile, IncludeFiles, Includes},
     lexer,
     span::{Source, Span},
     token::{Token, TokenKind},
@@ -14,9 +15,6 @@ const MAX_DEPTH: usize = 16;
 
 /// Most files that a program may include, each time counted.
 const MAX_FILES: usize = 256;
-
-/// Headers that every controller has. They declare constants, and those are predefined here.
-const CONTROLLER_HEADERS: &[&str] = &["klevccdf", "klevkeys", "klevkmsk", "kliotyps", "klrdutil"];
 
 /// A file whose tokens are being taken.
 struct Open {
@@ -85,14 +83,14 @@ fn file_tokens(
     reports: &mut Reports,
 ) -> Option<Open> {
     let key = IncludeFiles::key(path);
-    let Some(file) = includes.find(path) else {
-        let stem = key.rsplit('/').next().unwrap_or_default();
-        if CONTROLLER_HEADERS.contains(&stem) {
-            let message = format!("the controller's header {path} is taken as empty");
-            reports.warning(at, message);
-        } else {
-            reports.error(at, format!("there is no file {path} to include"));
-        }
+    let stem = key.rsplit('/').next().unwrap_or_default();
+    let header = || {
+        let text = headers::text(stem)?.into_bytes();
+        let name = stem.to_owned();
+        Some(IncludeFile { name, text })
+    };
+    let Some(file) = includes.find(path).or_else(header) else {
+        reports.error(at, format!("there is no file {path} to include"));
         return None;
     };
     if open.iter().any(|open| open.key == key) {

@@ -7,22 +7,27 @@ const GONE: InputEnd = InputEnd::Closed(Status::HOST_PEER_CLOSED);
 const INTEGER: ItemFormat = ItemFormat {
     kind: ItemKind::Integer { base: 10 },
     width: None,
+    line_end: None,
 };
 const REAL: ItemFormat = ItemFormat {
     kind: ItemKind::Real,
     width: None,
+    line_end: None,
 };
 const BOOLEAN: ItemFormat = ItemFormat {
     kind: ItemKind::Boolean,
     width: None,
+    line_end: None,
 };
 const TEXT: ItemFormat = ItemFormat {
     kind: ItemKind::Text { length: 8 },
     width: None,
+    line_end: None,
 };
 const LINE_END: ItemFormat = ItemFormat {
     kind: ItemKind::LineEnd,
     width: None,
+    line_end: None,
 };
 
 fn wide(format: ItemFormat, width: usize) -> ItemFormat {

@@ -139,9 +139,29 @@ fn event(line: &str) -> Event {
         "abort" => Event::Abort,
         "pause" => Event::Pause,
         "continue" => Event::Continue,
-        "send" => Event::Send(rest.replace("\\n", "\n").replace("\\r", "\r").into_bytes()),
+        "send" => Event::Send(bytes(rest)),
         "fail-connect" => Event::FailConnect(rest.parse().unwrap()),
         "fail-motion" => Event::FailMotion(rest.parse().unwrap()),
         _ => panic!("unknown script line {line:?}"),
     }
+}
+
+/// `\n`, `\r` and `\xNN` are single bytes.
+fn bytes(text: &str) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut rest = text.as_bytes();
+    while let Some((byte, tail)) = rest.split_first() {
+        let (value, used) = match (byte, tail) {
+            (b'\\', [b'n', ..]) => (b'\n', 1),
+            (b'\\', [b'r', ..]) => (b'\r', 1),
+            (b'\\', [b'x', a, b, ..]) => {
+                let digits = String::from_utf8(vec![*a, *b]).unwrap();
+                (u8::from_str_radix(&digits, 16).unwrap(), 3)
+            }
+            _ => (*byte, 0),
+        };
+        bytes.push(value);
+        rest = &tail[used..];
+    }
+    bytes
 }

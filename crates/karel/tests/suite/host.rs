@@ -7,8 +7,8 @@ use std::{
 
 use karel::{
     AlarmView, FileId, HandAction, Host, Input, InputEnd, JointPosition, Limits, Machine, MotionId,
-    MotionRequest, MoveEnd, OpenMode, Port, PortValue, Position, Program, Progress, Run,
-    RuntimeError, Status, SysPath, SysValue, TaskId, Text, Value, Wait, Xyzwpr, XyzwprExt,
+    MotionRequest, MoveEnd, OpenMode, Port, PortValue, Position, Program, ProgramAlarm, Progress,
+    Run, RuntimeError, Status, SysPath, SysValue, TaskId, Text, Value, Wait, Xyzwpr, XyzwprExt,
 };
 
 /// What the world does, in this order; each is done when the program waits for it.
@@ -321,6 +321,28 @@ impl Host for ScriptedHost {
         }
         self.note(&format!("{action:?} hand {number}"));
         Ok(())
+    }
+
+    fn raise_alarm(&mut self, _: TaskId, alarm: ProgramAlarm) {
+        let ProgramAlarm {
+            status,
+            text,
+            severity,
+            program,
+            line,
+        } = alarm;
+        self.note(&format!(
+            "{severity:?} alarm {status} ({program}, {line}) {text}"
+        ));
+    }
+
+    fn ping(&mut self, _: TaskId, host: &str) -> Status {
+        self.note(&format!("ping {host}"));
+        if host == "127.0.0.1" {
+            Status::OK
+        } else {
+            Status::HOST_NO_ANSWER
+        }
     }
 
     fn alarm(&self, newest: i32) -> Option<AlarmView> {

@@ -7,8 +7,9 @@ use std::process::ExitCode;
 
 use anyhow::{Context, anyhow, bail};
 use clap::ValueEnum;
-use karel::Program;
+use karel::{ByteOrder, Program};
 use karel_emulator::config::{ControllerConfig, Exposure, ProgramSource, SecondClient};
+use karel_emulator::devices;
 use karel_emulator::{Clock, PeerLabels, VirtualController};
 use kinematics::{ArmModel, PendantJoints};
 use tokio::signal::unix::{SignalKind, signal};
@@ -50,6 +51,17 @@ pub(crate) struct Run {
     /// What happens to a second client while the first is served.
     #[arg(long, value_enum, default_value_t = Second::Backlog)]
     second_client: Second,
+    /// Folder with a folder for each device, RD, MC and so on: its files are there at power-on, and what programs
+    /// write is kept in it.
+    #[arg(long = "files", value_name = "FOLDER")]
+    folder: Option<PathBuf>,
+    /// Permit programs to connect to HOST, an address or a name with its address; can be given several times. This
+    /// machine is always permitted.
+    #[arg(long = "allow-host", value_name = "HOST[=ADDRESS]", value_parser = parse_host)]
+    hosts: Vec<(String, IpAddr)>,
+    /// Write binary files with the lowest byte first, as the vendor's simulator does.
+    #[arg(long)]
+    little_endian: bool,
     /// What to log on standard error, such as `info` or `karel_emulator=debug`.
     #[arg(
         long,
@@ -122,6 +134,18 @@ impl Run {
             Second::Refuse => SecondClient::Refuse,
         };
         config.panel = parse_panel(&self.panel)?;
+        if let Some(path) = &self.folder {
+            let reading = || format!("reading the folder {}", path.display());
+            let folder = devices::Folder::try_new(path).with_context(reading)?;
+            config.files = folder.read().with_context(reading)?;
+            config.folder = Some(folder);
+        }
+        for (name, address) in &self.hosts {
+            config.hosts.permit(name, *address);
+        }
+        if self.little_endian {
+            config.byte_order = ByteOrder::Little;
+        }
         Ok(config)
     }
 }
@@ -164,6 +188,13 @@ fn parse_port_map(text: &str) -> Result<(u16, u16), String> {
         (0, _) => Err("a program cannot listen on port 0".to_owned()),
         pair => Ok(pair),
     }
+}
+
+fn parse_host(text: &str) -> Result<(String, IpAddr), String> {
+    let (name, address) = text.split_once('=').unwrap_or((text, text));
+    let address = address.trim().parse();
+    let address = address.map_err(|_| format!("{text:?} is not ADDRESS or NAME=ADDRESS"))?;
+    Ok((name.trim().to_owned(), address))
 }
 
 fn parse_panel(text: &str) -> anyhow::Result<Option<SocketAddr>> {
