@@ -42,6 +42,8 @@ pub(super) struct Exec<'a> {
     pub(super) task: &'a mut Task,
     pub(super) host: &'a mut dyn Host,
     pub(super) limits: &'a Limits,
+    /// Instructions that looks at conditions have cost.
+    pub(super) looked: u32,
 }
 
 /// Why the loop stopped.

@@ -35,13 +35,20 @@ const MAX_ALARMS: i32 = 32;
 impl Exec<'_> {
     /// Executes at most `fuel` instructions, with condition handlers.
     pub(super) fn slice(&mut self, fuel: u32) -> (Stop, u32) {
-        let mut used = 0;
+        if fuel == 0 {
+            return (Stop::OutOfFuel, 0);
+        }
+        let mut used = 0_u32;
         loop {
             let looked = if self.task.handlers.is_empty() {
                 Ok(())
             } else {
                 self.look()
             };
+            // Conditions cost what they cost, but the task itself always gets on.
+            used = used
+                .saturating_add(std::mem::take(&mut self.looked))
+                .min(fuel - 1);
             if let Err(fault) = looked
                 && let Some(stop) = self.fail(fault)
             {
@@ -227,6 +234,7 @@ impl Exec<'_> {
 
     fn condition_value(&mut self) -> Result<bool, Fault> {
         for _ in 0..MAX_STEPS {
+            self.looked = self.looked.saturating_add(1);
             let op = *row_of(&self.program.code.ops, pc_row(self.task.pc));
             if op == Op::Outward(Outward::ConditionEnd) {
                 return Ok(self.pop_boolean());
@@ -369,7 +377,8 @@ impl Exec<'_> {
         };
         if !handler.enabled {
             handler.enabled = true;
-            handler.next = now;
+            // One that enables itself again waits for its next turn.
+            handler.next = handler.next.max(now);
             handler.mark = mark;
             for when in &mut handler.whens {
                 when.edges.fill(None);
@@ -464,6 +473,7 @@ impl Exec<'_> {
             Action::NoAbort => {
                 if matches!(self.task.ending, Ending::Requested) {
                     self.task.ending = Ending::No;
+                    self.give_up_waiting();
                 }
             }
             Action::NoPause => self.task.paused = false,
@@ -472,6 +482,16 @@ impl Exec<'_> {
             Action::NoMessage | Action::Restore => {}
         }
         Flow::Next
+    }
+
+    /// The task goes on, and must not wait for ever for a client that may never come.
+    fn give_up_waiting(&mut self) {
+        let mut callers = self.task.callers.iter_mut().rev();
+        if let Some(pending) = callers.find_map(|caller| caller.interrupted.as_deref_mut())
+            && matches!(pending, Pending::None)
+        {
+            *pending = Pending::GivesUp;
+        }
     }
 
     pub(super) fn action_gate(&mut self) -> Flow {

@@ -267,6 +267,7 @@ impl Machine {
             task,
             host,
             limits: &self.limits,
+            looked: 0,
         };
         let (stop, used) = exec.slice(fuel);
         let run = match stop {

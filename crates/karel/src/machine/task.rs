@@ -224,6 +224,8 @@ pub(crate) enum Pending {
         operand: usize,
         /// When the READ gives up.
         until: Option<Duration>,
+        /// A condition handler of the task cancels the file: the READ fails when it goes on.
+        cancelled: bool,
     },
     /// A motion that was started.
     Motion(MotionId),
@@ -231,4 +233,6 @@ pub(crate) enum Pending {
     Deadline(Duration),
     /// A PAUSE that paused.
     Paused,
+    /// NOABORT: what waits without a limit for the world outside gives up.
+    GivesUp,
 }

@@ -13,7 +13,7 @@ use super::{
 use crate::{
     binary,
     host::{FileId, OpenMode, Progress, Wait},
-    ir::{ReadPart, ScalarType, WritePart, WriteShape},
+    ir::{Op, Outward, ReadPart, ScalarType, WritePart, WriteShape},
     run::ByteOrder,
     status::Status,
     text_reader::{self, ItemFormat, ItemKind, LineState, ReadResult, ReadValue},
@@ -65,11 +65,39 @@ impl Exec<'_> {
 
     pub(super) fn cancel_file(&mut self) -> Flow {
         let at = self.pop_address();
+        self.cancel_interrupted(at);
         let mut file = self.memory().file(at);
         let status = file.file.map_or(Status::OK, |id| self.host.cancel_file(id));
         file.status = status.0;
         self.memory().set_file(at, file);
         Flow::Next
+    }
+
+    /// A condition handler cancels the READ that it interrupted.
+    fn cancel_interrupted(&mut self, at: Address) {
+        if !self.task.interrupted {
+            return;
+        }
+        let mut callers = self.task.callers.iter_mut().rev();
+        let Some(caller) = callers.find(|caller| caller.interrupted.is_some()) else {
+            return;
+        };
+        let loaded = self.programs.get(caller.program);
+        let op = loaded.and_then(|loaded| loaded.program.code.ops.get(caller.pc).copied());
+        let Some(Op::Outward(Outward::Read(row))) = op else {
+            return;
+        };
+        let shape = loaded.and_then(|loaded| loaded.program.code.reads.get(row as usize));
+        let operands = shape.map_or(0, |shape| shape.operands as usize);
+        // Below the operands of the handler, which has none now, are those of the READ.
+        let file = self.task.operands.len().checked_sub(operands);
+        let file = file.and_then(|index| self.task.operands.get(index));
+        let pending = caller.interrupted.as_deref_mut();
+        if let (Some(Cell::Address(file)), Some(Pending::Read { cancelled, .. })) = (file, pending)
+            && *file == at
+        {
+            *cancelled = true;
+        }
     }
 
     /// Reads the items of a READ one by one. Items that are done stay done while the task waits.
@@ -80,17 +108,19 @@ impl Exec<'_> {
         let operands = shape.operands as usize;
         let at = self.operand_address(operands - 1);
         let mut file = self.memory().file(at);
-        let (mut item, mut operand, until) = match self.task.pending {
+        let (mut item, mut operand, until, cancelled) = match self.task.pending {
             Pending::Read {
                 item,
                 operand,
                 until,
-            } => (item, operand, until),
+                cancelled,
+            } => (item, operand, until, cancelled),
             Pending::None
             | Pending::Until(_)
             | Pending::Motion(_)
             | Pending::Deadline(_)
-            | Pending::Paused => (0, 1, self.deadline(file)),
+            | Pending::Paused
+            | Pending::GivesUp => (0, 1, self.deadline(file), false),
         };
         file.status = 0;
         while let Some(part) = shape.items.get(item) {
@@ -102,6 +132,11 @@ impl Exec<'_> {
                 self.read_item(&mut file, format)
             };
             match item_read {
+                Err(_) if cancelled => {
+                    file.status = Status::INTP_READ_FAILED.0;
+                    self.clear_rest(shape.items.get(item..).unwrap_or_default(), below);
+                    break;
+                }
                 // A pipe waits only if it is told to.
                 Err(_) if file.has(FileFlag::Pipe) && !file.has(FileFlag::PipeWaits) => {
                     file.status = Status::WOULD_BLOCK.0;
@@ -119,6 +154,7 @@ impl Exec<'_> {
                         item,
                         operand,
                         until,
+                        cancelled,
                     };
                     return Flow::Blocked(match until {
                         Some(until) => Wait::ReadableUntil(id, until),

@@ -4,6 +4,7 @@
     reason = "helpers of tests, where a failure is a failed test"
 )]
 
+mod assumptions;
 mod cmos;
 mod golden;
 mod host;

@@ -3,7 +3,7 @@
 use karel::{Limits, Machine, Program, Run};
 use proptest::prelude::*;
 
-use crate::host::{Event, ScriptedHost};
+use crate::host::{Event, ScriptedHost, machine_with, run};
 
 const PROGRAMS: [&[u8]; 5] = [
     include_bytes!("../../../../programs/sock_server.kl"),
@@ -278,4 +278,72 @@ fn a_nul_byte_is_not_source_text() {
     let source = main_body("i = \0 2");
     let refused = Program::parse_and_check(source.as_bytes(), "x.kl").unwrap_err();
     assert!(refused[0].message.contains("0x00"), "{}", refused[0]);
+}
+
+#[test]
+fn a_million_lines_are_counted() {
+    let mut source = b"PROGRAM lines\nVAR n: INTEGER\nBEGIN\n".to_vec();
+    source.extend(std::iter::repeat_n(b'\n', 1_000_000));
+    source.extend(b"n = n + 1\nEND lines\n");
+    let (mut machine, task) = machine_with(&source, "lines.kl");
+    let mut host = ScriptedHost::new(Vec::new());
+    run(&mut machine, task, &mut host);
+    assert!(
+        host.trace.starts_with("aborted: INTP-311 (LINES, 1000004)"),
+        "{}",
+        host.trace
+    );
+    source.extend(vec![b'\n'; 100_000]);
+    let refused = Program::parse_and_check(&source, "lines.kl").unwrap_err();
+    assert_eq!(refused.len(), 1);
+    assert!(refused[0].message.contains("at most 1048576"));
+}
+
+#[test]
+fn bytes_above_ascii_are_latin_1_in_texts_and_comments() {
+    let source = b"PROGRAM t -- gr\xfc\xdfe\nBEGIN\nWRITE ('\xe9', ORD('\xff', 1))\nEND t\n";
+    let (mut machine, task) = machine_with(source, "t.kl");
+    let mut host = ScriptedHost::new(Vec::new());
+    run(&mut machine, task, &mut host);
+    assert_eq!(host.trace, "display \"\u{e9} 255\"\nend\n");
+}
+
+#[test]
+fn handlers_that_always_act_leave_the_program_its_turn() {
+    let source = "PROGRAM t\nVAR n, hits: INTEGER\nBEGIN\nhits = 0\nCONDITION[1]:\nWHEN hits >= 0 DO\n\
+                  hits = hits + 1\nENABLE CONDITION[1]\nENDCONDITION\nENABLE CONDITION[1]\n\
+                  FOR n = 1 TO 100 DO\nDELAY 1\nENDFOR\nWRITE (hits)\nEND t\n";
+    let (mut machine, task) = machine_with(source.as_bytes(), "t.kl");
+    let mut host = ScriptedHost::new(Vec::new());
+    run(&mut machine, task, &mut host);
+    // Every 32 ms, the first at once.
+    assert_eq!(host.trace, "display \" 4\"\nend\n");
+}
+
+#[test]
+fn thousands_of_conditions_cost_fuel_and_end() {
+    let mut source = "PROGRAM t\nVAR n: INTEGER\nBEGIN\nn = 0\n".to_owned();
+    for number in 1..=1000 {
+        source += &format!(
+            "CONDITION[{number}]:\nWHEN n > {number} DO\nn = 0\nENDCONDITION\nENABLE CONDITION[{number}]\n"
+        );
+    }
+    source += "CONDITION[1001]:\nENDCONDITION\nEND t\n";
+    let (mut machine, task) = machine_with(source.as_bytes(), "t.kl");
+    let mut host = ScriptedHost::new(Vec::new());
+    run(&mut machine, task, &mut host);
+    assert!(host.trace.contains("INTP-322"), "{}", host.trace);
+    assert!(host.trace.contains("CONDITION[1001]"), "{}", host.trace);
+}
+
+#[test]
+fn a_task_that_signals_itself_for_ever_spends_only_its_own_fuel() {
+    let source = "PROGRAM t\nBEGIN\nCONDITION[1]:\nWHEN EVENT[1] DO\nENABLE CONDITION[1]\n\
+                  SIGNAL EVENT[1]\nENDCONDITION\nENABLE CONDITION[1]\nSIGNAL EVENT[1]\nEND t\n";
+    let (mut machine, task) = machine_with(source.as_bytes(), "t.kl");
+    let mut host = ScriptedHost::new(Vec::new());
+    for _ in 0..100 {
+        let slice = machine.run(task, 1_000, &mut host);
+        assert!(slice.used <= 1_000);
+    }
 }
