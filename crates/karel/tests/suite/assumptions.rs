@@ -1,6 +1,6 @@
 //! Rules that were guessed, one test for each, named after the guess.
 
-use crate::host::{ScriptedHost, machine_with, run};
+use crate::host::{Event, ScriptedHost, machine_with, run};
 
 /// What a program with these declarations and statements shows, and how it ends.
 fn shown(declarations: &str, statements: &str) -> String {
@@ -111,8 +111,11 @@ fn assumed_a_string_of_binary_data_without_a_width_is_as_long_as_its_variable() 
         "PROGRAM t\nVAR\nf: FILE\ns: INTEGER\nt: STRING[4]\nBEGIN\n{statements}\nWRITE (t)\nEND t\n"
     );
     let (mut machine, task) = machine_with(source.as_bytes(), "t.kl");
-    use crate::host::Event::{Connect, Send};
-    let mut host = ScriptedHost::new(vec![Connect, Send(b"ab\n".to_vec()), Send(b"cd".to_vec())]);
+    let mut host = ScriptedHost::new(vec![
+        Event::Connect,
+        Event::Send(b"ab\n".to_vec()),
+        Event::Send(b"cd".to_vec()),
+    ]);
     run(&mut machine, task, &mut host);
     assert!(host.trace.contains("display \"ab\\nc\""), "{}", host.trace);
 }

@@ -161,7 +161,7 @@ fn bytes(text: &str) -> Vec<u8> {
             _ => (*byte, 0),
         };
         bytes.push(value);
-        rest = &tail[used..];
+        rest = tail.get(used..).unwrap_or_default();
     }
     bytes
 }

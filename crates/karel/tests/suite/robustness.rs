@@ -1,5 +1,7 @@
 //! Nothing that comes from outside makes the crate panic, hang or overflow its stack.
 
+use std::fmt::Write as _;
+
 use karel::{Limits, Machine, Program, Run};
 use proptest::prelude::*;
 
@@ -324,7 +326,8 @@ fn handlers_that_always_act_leave_the_program_its_turn() {
 fn thousands_of_conditions_cost_fuel_and_end() {
     let mut source = "PROGRAM t\nVAR n: INTEGER\nBEGIN\nn = 0\n".to_owned();
     for number in 1..=1000 {
-        source += &format!(
+        let _ = write!(
+            source,
             "CONDITION[{number}]:\nWHEN n > {number} DO\nn = 0\nENDCONDITION\nENABLE CONDITION[{number}]\n"
         );
     }
