@@ -52,6 +52,9 @@ fn to_array(context: &mut Context<'_>) -> Result<Outcome, Fault> {
 }
 
 /// Reads as many elements as the target has axes. An uninitialized one ends the task.
+///
+/// ASSUMPTION: a JOINTPOS without a number of axes reads up to nine, and keeps those that the arm has: a
+/// published program gives it ten elements, six of them meant, and moves there.
 fn from_array(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     let (at, length) = array(context, 0);
     let kind = joint_kind(context, 1);
@@ -69,6 +72,11 @@ fn from_array(context: &mut Context<'_>) -> Result<Outcome, Fault> {
             return Err(Fault::uninit());
         };
         axes.push(*value);
+    }
+    if kind == JointKind::OfGroup
+        && let Ok(arm) = context.host.current_joints(context.task, 1)
+    {
+        axes.truncate(arm.axes.len());
     }
     let target = context.variable(1);
     let _fits = context

@@ -126,3 +126,14 @@ fn assumed_screens_always_succeed() {
                       DEF_SCREEN('a', 'b', s)\nWRITE (s)\nSET_LANG('ENGLISH', s)\nWRITE (s)";
     assert_eq!(shown("s: INTEGER", statements), " 0| 0| 0");
 }
+
+#[test]
+fn assumed_a_joint_position_of_the_group_keeps_the_axes_that_the_arm_has() {
+    let declarations = "a: ARRAY[10] OF REAL\nj: JOINTPOS\nn, s: INTEGER";
+    let statements = "FOR n = 1 TO 10 DO\na[n] = n\nENDFOR\nCNV_REL_JPOS(a, j, s)\n\
+                      WRITE (s, J_IN_RANGE(j))\na[9] = a[10]\nCNV_JPOS_REL(j, a, s)\nWRITE (s, a[6], a[7])";
+    assert_eq!(
+        shown(declarations, statements),
+        " 0TRUE| 0 6.000000E+00 7.000000E+00"
+    );
+}
