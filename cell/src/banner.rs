@@ -1,6 +1,6 @@
 //! What a person reads first: where everything is, and what to try.
 
-use std::io::Write as _;
+use std::io::Write;
 use std::net::SocketAddr;
 
 use anyhow::Result;
@@ -10,10 +10,18 @@ use crate::config::{File, Loaded};
 use crate::plant::Plant;
 
 const DEMO: &str = "\
-  ############################################################################
-  #  DEMO MODE: nobody is asked for a token.                                 #
-  #  Every program on this machine may do everything. Not for a real robot.  #
-  ############################################################################";
+############################################################################
+#  DEMO MODE: nobody is asked for a token.                                 #
+#  Every program on this machine may do everything. Not for a real robot.  #
+############################################################################";
+
+const CELLCTL: &str = "cargo run -q --release -p client --bin cellctl --";
+
+/// A delivery and a pickup in the built-in configuration, followed live.
+const JOBS: &str = "\
+job delivery --point handover/front --item load-1=crate:left:rack/d
+job pickup --point handover/front --item load-2=crate:right:rack/a --destination warehouse/gate
+watch";
 
 const ADMIN: &str = "\
 An admin manages tokens and moves nothing. Log in with it, and make yourself an operator:
@@ -93,10 +101,7 @@ pub(crate) fn print(
         "  curl -s -X POST 'http://{http}/fanuc/move?velocity=300' {token}-H 'Content-Type: application/json' \\\n       \
          -d '{{\"x\":600,\"y\":200,\"z\":600,\"w\":-180,\"p\":30,\"r\":0}}'"
     )?;
-    writeln!(
-        out,
-        "\n  cargo run --release -p client --bin cellctl -- --server http://{http} --cell line job list"
-    )?;
+    jobs(&mut out, http, file)?;
     if let Some(panel) = controllers
         .iter()
         .find_map(|part| part.controller.panel_address())
@@ -110,12 +115,25 @@ pub(crate) fn print(
             "  curl -s http://{panel}/ledger     # what it did, and what it refused"
         )?;
     }
-    writeln!(
-        out,
-        "\n  cargo run --release -p client --bin cellctl -- --help"
-    )?;
+    writeln!(out, "\n  {CELLCTL} --help")?;
     writeln!(out, "\nCtrl-C stops the cell.")?;
     out.flush()?;
+    Ok(())
+}
+
+/// Lines that start jobs, where the built-in cell `line` is; else one that shows the first cell.
+fn jobs(out: &mut impl Write, http: SocketAddr, file: &File) -> Result<()> {
+    let line = file.cells.iter().find(|cell| cell.id == "line");
+    let line = line.filter(|_| file.server.demo && !file.virtual_mobile_robots.is_empty());
+    let Some(cell) = line.or(file.cells.first()) else {
+        return Ok(());
+    };
+    let at = format!("{CELLCTL} --server http://{http} --cell {}", cell.id);
+    writeln!(out)?;
+    let shown = if line.is_some() { JOBS } else { "state" };
+    for words in shown.lines() {
+        writeln!(out, "  {at} {words}")?;
+    }
     Ok(())
 }
 

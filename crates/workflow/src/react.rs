@@ -50,7 +50,7 @@ impl Work<'_> {
             self.tell(session, Message::StartPause);
         }
         if let Some(to) = state
-            && outranks(to, job.state)
+            && (outranks(to, job.state) || (to == job.state && merely_waits(job)))
         {
             if to == JobState::Aborting {
                 self.withdraw(job.id, "the job was aborted");
@@ -214,6 +214,11 @@ pub(crate) const fn is_over(job: &Job) -> bool {
             | JobState::Complete
             | JobState::Resetting
     )
+}
+
+/// On its way to a wait that belongs to its course: a fault gives it another reason.
+fn merely_waits(job: &Job) -> bool {
+    job.state == JobState::Suspending && matches!(job.why, Why::Awaiting | Why::Course)
 }
 
 /// A fault never lifts a job out of a state that is stricter than the one it asks for.

@@ -346,7 +346,7 @@ fn expected(session: &Session, order: Option<Uuid>, kind: SignalKind) -> Option<
                     SessionState::ExitGranted | SessionState::Exited | SessionState::Canceling
                 )
         }
-        SignalKind::MrRejected => state == SessionState::Reserved,
+        SignalKind::MrRejected => state == SessionState::Reserved && session.order.is_some(),
         SignalKind::MrDelivered
         | SignalKind::LoadChanged
         | SignalKind::MrHeartbeat

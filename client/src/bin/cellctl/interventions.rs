@@ -114,6 +114,13 @@ fn sentences(list: &InterventionList) -> String {
                 .map_or_else(String::new, |role| format!(" ({role} only)"));
             let _ = writeln!(text, "  {answer}{needs}: {}{role}", allowed.consequence);
         }
+        if let Some(first) = one.allowed.first() {
+            let (id, answer) = (one.id, first.answer.replace('_', "-"));
+            let _ = writeln!(
+                text,
+                "  say: cellctl interventions answer {id} {answer} --reason \"...\""
+            );
+        }
         text.push('\n');
     }
     text

@@ -224,8 +224,12 @@ impl Work<'_> {
         }
     }
 
-    /// The arm left its place: what was begun there begins anew.
+    /// The arm left its place: what was begun there begins anew, and what the gripper had already done there is done.
     fn after_back_out(&mut self, job: &Job) {
+        if let Some(done) = self.grip_done_before(job) {
+            self.step_to(job, done, StepState::Succeeded, "done before the arm left");
+            return;
+        }
         let begun = |phase: Phase| {
             job.steps.iter().position(|s| {
                 s.plan.phase == phase
@@ -260,6 +264,22 @@ impl Work<'_> {
                 });
             }
         }
+    }
+
+    /// A running grip or release whose load has changed hands already: only its end was not said any more.
+    fn grip_done_before(&self, job: &Job) -> Option<usize> {
+        let arm = job.arm.as_ref()?;
+        job.steps.iter().position(|s| {
+            let load = s
+                .plan
+                .item
+                .and_then(|item| job.items.get(item))
+                .and_then(|item| item.load.as_deref());
+            let held = load.is_some() && self.cell.book.custody.in_gripper(arm) == load;
+            let acted = s.state == StepState::Running && s.done_ops > 0;
+            let phase = s.plan.phase;
+            acted && ((phase == Phase::Grip && held) || (phase == Phase::Release && !held))
+        })
     }
 
     /// An operation ended: what does it mean?

@@ -195,6 +195,16 @@ impl Work<'_> {
             self.continue_session(&session);
         }
         self.withdraw(job.id, "the job goes on");
+        // Its question was replaced by a newer one, which is answered now; nobody has decided about the step yet.
+        if let Some(step) = job
+            .steps
+            .iter()
+            .position(|s| s.state == StepState::Retriable)
+        {
+            let text = "it is still to be decided".to_owned();
+            self.step_stuck(job, step, Fault::ControllerAlarm, &text, None);
+            return;
+        }
         let begun = job.is_done(Phase::Precheck);
         self.go(
             job.id,
