@@ -151,6 +151,10 @@ struct Label {
     id: u32,
     defined: bool,
     first_use: Span,
+    /// Cells of the USING statements around it, outermost first.
+    using: Vec<u32>,
+    /// The same of each GOTO.
+    gotos: Vec<(Span, Vec<u32>)>,
 }
 
 /// Directives that change nothing here: they concern menus, storage or the translator.
@@ -275,6 +279,17 @@ impl Checker<'_> {
 
     fn refuse_missing_labels(&mut self) {
         let labels = std::mem::take(&mut self.frame.labels);
+        let mut into: Vec<(Span, &str)> = Vec::new();
+        for (name, label) in labels.iter().filter(|(_, label)| label.defined) {
+            let gotos = label.gotos.iter();
+            let wrong = gotos.filter(|(_, using)| !using.starts_with(&label.using));
+            into.extend(wrong.map(|(span, _)| (*span, name.as_str())));
+        }
+        into.sort_by_key(|(span, _)| span.start);
+        for (span, name) in into {
+            let message = format!("GOTO cannot jump into the USING around `{name}`");
+            self.reports.error(span, message);
+        }
         let missing = labels.into_iter().filter(|(_, label)| !label.defined);
         let mut missing: Vec<_> = missing.collect();
         missing.sort_by_key(|(_, label)| label.first_use.start);

@@ -26,7 +26,7 @@ impl Checker<'_> {
     fn stmt(&mut self, stmt: &ast::Stmt) -> Option<StmtKind> {
         match &stmt.kind {
             ast::StmtKind::Label(name) => Some(self.define_label(name)),
-            ast::StmtKind::Goto(name) => Some(StmtKind::Goto(self.label(name))),
+            ast::StmtKind::Goto(name) => Some(self.goto(name)),
             ast::StmtKind::Assign { target, value } => self.assign(target, value),
             ast::StmtKind::Call { name, args } => self.call_statement(name, args),
             ast::StmtKind::If {
@@ -266,10 +266,7 @@ impl Checker<'_> {
     }
 
     fn define_label(&mut self, name: &Name) -> StmtKind {
-        if !self.frame.using.is_empty() {
-            let message = "a label inside USING is not supported yet";
-            self.reports.error(name.span, message);
-        }
+        let using = self.using_cells();
         let id = self.label(name);
         if let Some(label) = self.frame.labels.get_mut(&name.text) {
             if label.defined {
@@ -277,8 +274,23 @@ impl Checker<'_> {
                 self.reports.error(name.span, message);
             }
             label.defined = true;
+            label.using = using;
         }
         StmtKind::Label(id)
+    }
+
+    fn goto(&mut self, name: &Name) -> StmtKind {
+        let using = self.using_cells();
+        let id = self.label(name);
+        if let Some(label) = self.frame.labels.get_mut(&name.text) {
+            label.gotos.push((name.span, using));
+        }
+        StmtKind::Goto(id)
+    }
+
+    /// What tells one USING from another: its references are there only inside of it.
+    fn using_cells(&self) -> Vec<u32> {
+        self.frame.using.iter().map(|(cell, _)| *cell).collect()
     }
 
     fn label(&mut self, name: &Name) -> u32 {
@@ -291,6 +303,8 @@ impl Checker<'_> {
             id,
             defined: false,
             first_use: name.span,
+            using: Vec::new(),
+            gotos: Vec::new(),
         };
         let _ = self.frame.labels.insert(name.text.clone(), label);
         id
