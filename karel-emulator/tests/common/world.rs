@@ -86,7 +86,7 @@ impl World {
                 }
                 Effect::Connect { .. } | Effect::Keep { .. } => {}
                 Effect::Send { connection, bytes } => self.hear(connection, &bytes),
-                Effect::Close { connection } => {
+                Effect::Close { connection } | Effect::Reset { connection } => {
                     for client in &mut self.clients {
                         if *client == Some(connection) {
                             *client = None;

@@ -6,6 +6,7 @@ pub(crate) mod cell;
 mod exec;
 pub(crate) mod fault;
 mod handlers;
+mod inspect;
 mod link;
 mod operands;
 mod outward;
@@ -42,6 +43,7 @@ use timer::Timers;
 
 pub(crate) use arithmetic::finite;
 use fault::Fault;
+pub use inspect::VariableView;
 pub(crate) use system::{component_of, set_component};
 use task::{Signal, Task};
 pub(crate) use tasks::Tasks;
