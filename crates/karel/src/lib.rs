@@ -111,7 +111,7 @@ pub use host::{
     OpenMode, Progress, TaskId, TpMotion, TpSpeed, TpTarget, Wait,
 };
 pub use include::{IncludeFile, IncludeFiles, Includes};
-pub use machine::{LoadError, Machine, StartError};
+pub use machine::{LoadError, Machine, StartError, VariableView};
 pub use port::{Port, PortValue};
 pub use position::{Config, Elbow, Front, JointPosition, Position, Wrist, Xyzwpr, XyzwprExt};
 pub use program::{Interruption, Program, syntax_tree};

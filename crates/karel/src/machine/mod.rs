@@ -5,6 +5,7 @@ mod calls;
 pub(crate) mod cell;
 mod exec;
 pub(crate) mod fault;
+mod inspect;
 mod link;
 mod operands;
 mod outward;
@@ -34,6 +35,7 @@ use semaphore::Semaphores;
 use timer::Timers;
 
 pub(crate) use arithmetic::finite;
+pub use inspect::VariableView;
 use fault::Fault;
 pub(crate) use system::{component_of, set_component};
 use task::Task;

@@ -93,6 +93,13 @@ impl Tasks {
         true
     }
 
+    /// Says in other words how a task ended.
+    pub(crate) fn set_state(&mut self, id: TaskId, state: TaskState) {
+        if let Some(task) = self.by_id.get_mut(&id) {
+            task.state = state;
+        }
+    }
+
     /// Pauses a task that is alive. Whether that changed anything.
     pub(crate) fn pause(&mut self, id: TaskId) -> bool {
         let changed = self
