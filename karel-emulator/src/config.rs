@@ -1,11 +1,13 @@
 //! What a virtual controller is made of.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::sync::Arc;
+use std::time::Duration;
 
 use kinematics::{ArmModel, PendantJoints};
 
+use crate::faults::{ControllerOption, FaultBody};
 use crate::gripper::{GripperConfig, SharedWorkpieces, Workpieces};
 use crate::ports::PortCounts;
 
@@ -48,6 +50,26 @@ pub enum Exposure {
     Loopback,
     /// Any address: this is an unauthenticated motion server, and the log says so.
     AnyAddress,
+}
+
+/// Gets the bytes that programs write to the USER screen, as they come. It must not wait.
+#[derive(Clone)]
+pub struct ScreenSink(pub Arc<dyn Fn(&[u8]) + Send + Sync>);
+
+impl std::fmt::Debug for ScreenSink {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("ScreenSink")
+    }
+}
+
+/// What the panel lets its visitors do. They have no names: whoever reaches the loopback address is one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ControlAccess {
+    /// Look and not touch.
+    #[default]
+    LookOnly,
+    /// The control interface: programs, variables, I/O, the operator's keys, time, faults.
+    Control,
 }
 
 /// Bounds of one controller.
@@ -117,6 +139,22 @@ pub struct ControllerConfig {
     pub gripper: Option<GripperConfig>,
     /// What the gripper finds.
     pub workpieces: Option<SharedWorkpieces>,
+    /// Options that the controller was delivered without.
+    pub missing_options: BTreeSet<ControllerOption>,
+    /// Who asks the panel may change things, too: the control interface.
+    pub control: ControlAccess,
+    /// Set before the first statement runs: an item, such as `R[1]`, `DIN[3]` or `[PROG]VAR`, and its value.
+    pub presets: Vec<(String, String)>,
+    /// Faults that are there from the start.
+    pub faults: Vec<FaultBody>,
+    /// Controller time goes no further than this.
+    pub stop_after: Option<Duration>,
+    /// Whether lines are traced from the start.
+    pub trace: bool,
+    /// Gets everything that programs write to the USER screen.
+    pub screen: Option<ScreenSink>,
+    /// What random faults are drawn from.
+    pub seed: u64,
     /// Bounds.
     pub limits: Limits,
 }
@@ -141,6 +179,14 @@ impl ControllerConfig {
             command_registers: None,
             gripper: None,
             workpieces: None,
+            missing_options: BTreeSet::new(),
+            control: ControlAccess::default(),
+            presets: Vec::new(),
+            faults: Vec::new(),
+            stop_after: None,
+            trace: false,
+            screen: None,
+            seed: 0,
             limits: Limits::default(),
         }
     }

@@ -120,6 +120,11 @@ pub enum Effect {
         /// The bytes of one WRITE statement.
         bytes: Vec<u8>,
     },
+    /// Reset the connection: what is still to be sent is lost.
+    Reset {
+        /// Where.
+        connection: ConnectionId,
+    },
     /// Send what is still to be sent, then close.
     Close {
         /// Where.

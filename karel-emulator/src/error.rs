@@ -61,6 +61,22 @@ pub enum StartError {
         /// Why.
         reason: String,
     },
+    /// Something that shall be set before the start cannot be.
+    #[error("setting {item}: {reason}")]
+    Preset {
+        /// The item.
+        item: String,
+        /// Why.
+        reason: String,
+    },
+    /// A fault that shall be there from the start cannot be.
+    #[error("injecting the fault {fault}: {reason}")]
+    Fault {
+        /// Its name.
+        fault: &'static str,
+        /// Why.
+        reason: String,
+    },
     /// The arm cannot stand where it shall.
     #[error("the start joints are outside of the limits of {model}: {violations}")]
     StartJoints {

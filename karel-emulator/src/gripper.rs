@@ -56,7 +56,7 @@ impl fmt::Debug for SharedWorkpieces {
 }
 
 /// What a gripper does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum GripperPosition {
     /// Open; its input is on.
@@ -70,7 +70,7 @@ pub enum GripperPosition {
 }
 
 /// A gripper as people and tests see it.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, utoipa::ToSchema)]
 pub struct GripperView {
     /// What it does.
     pub position: GripperPosition,

@@ -7,7 +7,7 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 /// Six joint angles as the pendant shows them, in degrees.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
 #[expect(missing_docs, reason = "the six axes")]
 pub struct JointsDeg {
     pub j1: f64,
@@ -38,7 +38,7 @@ impl From<JointsDeg> for [f64; 6] {
 }
 
 /// A pose as the pendant shows it: millimeters and degrees, W, P, R about the fixed X, Y, Z axes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
 #[expect(missing_docs, reason = "the six components")]
 pub struct PoseMmDeg {
     pub x_mm: f64,
@@ -62,6 +62,20 @@ impl From<[f64; 6]> for PoseMmDeg {
     }
 }
 
+impl From<PoseMmDeg> for [f64; 6] {
+    fn from(pose: PoseMmDeg) -> Self {
+        let PoseMmDeg {
+            x_mm,
+            y_mm,
+            z_mm,
+            w_deg,
+            p_deg,
+            r_deg,
+        } = pose;
+        [x_mm, y_mm, z_mm, w_deg, p_deg, r_deg]
+    }
+}
+
 /// `(600.000, 200.000, 600.000, -180.000, 30.000, 0.000)`, in the pendant's order and units.
 impl std::fmt::Display for PoseMmDeg {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -81,7 +95,7 @@ impl std::fmt::Display for PoseMmDeg {
 }
 
 /// What happened to a motion.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum LedgerEvent {
     /// The arm began to move.
@@ -107,7 +121,7 @@ pub enum LedgerEvent {
 }
 
 /// The command that a program carries out, as the program noted it in registers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, utoipa::ToSchema)]
 pub struct CommandId {
     /// The epoch of whoever commands.
     pub epoch: u32,
@@ -116,7 +130,7 @@ pub struct CommandId {
 }
 
 /// The geometry of a motion.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum MotionKind {
     /// All axes start and stop together.
@@ -128,7 +142,7 @@ pub enum MotionKind {
 }
 
 /// One line of the ledger.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
 pub struct LedgerEntry {
     /// Counts from 1, without holes while nothing is dropped.
     pub seq: u64,
@@ -165,6 +179,7 @@ pub struct LedgerEntry {
     /// Its source line.
     pub line: u32,
     /// The TCP peer whose bytes the program read last.
+    #[schema(value_type = Option<String>)]
     pub peer: Option<SocketAddr>,
     /// The HTTP request behind that peer.
     pub request_id: Option<String>,

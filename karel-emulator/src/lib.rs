@@ -58,12 +58,13 @@ pub mod controller;
 mod driver;
 pub mod effects;
 pub mod error;
+pub mod faults;
 pub mod gripper;
 mod hardware;
 pub mod labels;
 pub mod ledger;
 pub mod motion;
-mod panel;
+pub mod panel;
 pub mod ports;
 pub mod state;
 pub mod sysvars;
@@ -71,13 +72,17 @@ pub mod tags;
 mod virtual_controller;
 
 pub use clock::{Clock, Stepper};
-pub use config::{ControllerConfig, Exposure, ProgramSource, SecondClient};
+pub use config::{
+    ControlAccess, ControllerConfig, Exposure, ProgramSource, ScreenSink, SecondClient,
+};
 pub use controller::{CmosMemory, Controller, OperateError, Operation};
 pub use error::{ControllerStopped, StartError};
+pub use faults::{ControllerOption, FaultBody, FaultError, FaultKind, FaultView};
 pub use gripper::{GripperConfig, Workpieces};
 pub use hardware::operator::OperatingMode;
 pub use labels::PeerLabels;
 pub use ledger::{CommandId, LedgerEntry, LedgerEvent};
+pub use panel::control::openapi_yaml;
 pub use ports::SetInputError;
 pub use state::State;
 pub use virtual_controller::VirtualController;

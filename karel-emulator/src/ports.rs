@@ -36,7 +36,7 @@ impl Default for PortCounts {
 }
 
 /// A port that is not off, as people and tests see it.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, utoipa::ToSchema)]
 pub struct PortView {
     /// `DOUT[3]`.
     pub port: String,
@@ -81,6 +81,8 @@ pub enum SetInputError {
 pub(crate) struct Ports {
     counts: PortCounts,
     values: BTreeMap<(Port, u16), i32>,
+    /// What programs see of inputs that are simulated, whatever the world puts on them.
+    simulated: BTreeMap<(Port, u16), i32>,
 }
 
 impl Ports {
@@ -88,13 +90,16 @@ impl Ports {
         Self {
             counts,
             values: BTreeMap::new(),
+            simulated: BTreeMap::new(),
         }
     }
 
     /// The value of a port.
     pub(crate) fn get(&self, port: Port, number: i32) -> Result<PortValue, Status> {
         let number = self.number(port, number)?;
-        let value = self.values.get(&(port, number)).copied().unwrap_or(0);
+        let key = (port, number);
+        let value = self.simulated.get(&key).or_else(|| self.values.get(&key));
+        let value = value.copied().unwrap_or(0);
         Ok(if port.is_switch() {
             PortValue::Switch(value != 0)
         } else {
@@ -140,6 +145,43 @@ impl Ports {
             })
     }
 
+    /// Simulates an input: programs see this value until [`Self::end_simulation`].
+    pub(crate) fn simulate(
+        &mut self,
+        port: Port,
+        number: u16,
+        value: PortValue,
+    ) -> Result<(), SetInputError> {
+        self.check_input(port, number)?;
+        let value = raw(port, value).ok_or(SetInputError::Value { port, value })?;
+        let _before = self.simulated.insert((port, number), value);
+        Ok(())
+    }
+
+    /// Programs see again what the world puts on an input.
+    pub(crate) fn end_simulation(&mut self, port: Port, number: u16) -> Result<(), SetInputError> {
+        self.check_input(port, number)?;
+        let _before = self.simulated.remove(&(port, number));
+        Ok(())
+    }
+
+    /// Whether an input is simulated.
+    pub(crate) fn is_simulated(&self, port: Port, number: u16) -> bool {
+        self.simulated.contains_key(&(port, number))
+    }
+
+    fn check_input(&self, port: Port, number: u16) -> Result<(), SetInputError> {
+        if !port.is_input() {
+            return Err(SetInputError::NotAnInput { port });
+        }
+        let no_such = |_| SetInputError::NoSuchPort {
+            port,
+            number,
+            count: self.count(port),
+        };
+        self.number(port, number.into()).map(drop).map_err(no_such)
+    }
+
     /// Outputs and flags are off when the controller is switched on; inputs are the world's.
     pub(crate) fn power_cycle(&mut self) {
         self.values.retain(|(port, _), _| port.is_input());
@@ -147,14 +189,16 @@ impl Ports {
 
     /// Every port that is not off.
     pub(crate) fn view(&self) -> Vec<PortView> {
+        let mut seen = self.values.clone();
+        seen.extend(&self.simulated);
         let view = |(&(port, number), &value): (&(Port, u16), &i32)| PortView {
             port: format!("{port}[{number}]"),
             value,
         };
-        self.values.iter().map(view).collect()
+        seen.iter().map(view).collect()
     }
 
-    fn count(&self, port: Port) -> u16 {
+    pub(crate) fn count(&self, port: Port) -> u16 {
         match port {
             Port::DigitalIn | Port::DigitalOut => self.counts.digital,
             Port::RobotIn | Port::RobotOut => self.counts.robot,
@@ -228,6 +272,20 @@ mod tests {
         assert_eq!(ports.set_input(Port::DigitalIn, 3, on), Ok(true));
         assert_eq!(ports.set(Port::Flag, 2, on), Ok(true));
         assert_eq!(ports.set(Port::Flag, 2, on), Ok(false), "nothing changed");
+        assert_eq!(
+            ports.simulate(Port::DigitalIn, 3, PortValue::Switch(false)),
+            Ok(())
+        );
+        assert_eq!(ports.get(Port::DigitalIn, 3), Ok(PortValue::Switch(false)));
+        assert_eq!(ports.end_simulation(Port::DigitalIn, 3), Ok(()));
+        assert!(
+            ports.simulate(Port::DigitalOut, 3, on).is_err(),
+            "not an input"
+        );
+        assert!(
+            ports.simulate(Port::DigitalIn, 513, on).is_err(),
+            "there is none"
+        );
         ports.power_cycle();
         let left: Vec<String> = ports.view().into_iter().map(|view| view.port).collect();
         assert_eq!(left, ["DIN[3]"]);

@@ -10,7 +10,7 @@ use crate::ledger::{JointsDeg, PoseMmDeg};
 use crate::ports::PortView;
 
 /// A snapshot of one controller.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
 #[expect(
     clippy::struct_excessive_bools,
     reason = "each is a lamp or a switch of its own, and the JSON names it"
@@ -52,6 +52,21 @@ pub struct State {
     /// The gripper, if there is one.
     #[serde(default)]
     pub gripper: Option<GripperView>,
+    /// Whether the power is on.
+    #[serde(default)]
+    pub power_on: bool,
+    /// Whether the servos have power.
+    #[serde(default)]
+    pub servo_power: bool,
+    /// Whether tasks pause after each line.
+    #[serde(default)]
+    pub single_step: bool,
+    /// Whether nothing will happen without something from outside.
+    #[serde(default)]
+    pub idle: bool,
+    /// How many injected faults are active.
+    #[serde(default)]
+    pub faults: usize,
     /// The general override.
     pub override_percent: i32,
     /// Motions running and waiting: 0 to 2.
@@ -69,7 +84,7 @@ pub struct State {
 }
 
 /// The limits of one joint.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
 pub struct JointLimit {
     /// `J1` to `J6`.
     pub joint: String,
@@ -80,7 +95,7 @@ pub struct JointLimit {
 }
 
 /// One task.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, utoipa::ToSchema)]
 pub struct TaskState {
     /// The task: its root program.
     pub name: String,
@@ -95,7 +110,7 @@ pub struct TaskState {
 }
 
 /// What a task does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum TaskWord {
     /// It has statements to execute.
@@ -109,7 +124,7 @@ pub enum TaskWord {
 }
 
 /// One server tag.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, utoipa::ToSchema)]
 pub struct TagView {
     /// `S1:` to `S8:`.
     pub tag: String,
@@ -118,5 +133,6 @@ pub struct TagView {
     /// `idle`, `listening`, `connected` or `failed`.
     pub state: String,
     /// The client.
+    #[schema(value_type = Option<String>)]
     pub peer: Option<SocketAddr>,
 }

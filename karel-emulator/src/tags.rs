@@ -57,6 +57,8 @@ pub enum TagState {
 pub struct ServerTag {
     /// Its number.
     pub tag: Tag,
+    /// A fault: the tag answers HOST-144 to everything.
+    pub wedged: bool,
     /// What it does.
     pub state: TagState,
     /// The task that used it last.
@@ -73,6 +75,7 @@ impl ServerTag {
     pub fn new(tag: Tag) -> Self {
         Self {
             tag,
+            wedged: false,
             state: TagState::Idle,
             task: None,
             port: None,

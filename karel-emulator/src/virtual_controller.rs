@@ -10,9 +10,10 @@ use tokio_util::task::TaskTracker;
 use crate::alarms::{Alarm, Severity};
 use crate::clock::Clock;
 use crate::config::{ControllerConfig, Exposure};
-use crate::controller::{CmosMemory, OperateError, Operation};
-use crate::driver::{Command, Driver, Lines};
+use crate::controller::{CmosMemory, Controller, OperateError, Operation};
+use crate::driver::{Command, Driver, Lines, Visit};
 use crate::error::{ControllerStopped, StartError};
+use crate::faults::{FaultBody, FaultError};
 use crate::hardware::operator::OperatingMode;
 use crate::labels::PeerLabels;
 use crate::ledger::LedgerEntry;
@@ -56,7 +57,11 @@ impl VirtualController {
             Some((listener, address)) => {
                 let served = panel::serve(
                     listener,
-                    lines.commands.clone(),
+                    panel::Visitors {
+                        commands: lines.commands.clone(),
+                        states: lines.state.clone(),
+                        access: config.control,
+                    },
                     stop.clone(),
                     tracker.clone(),
                 );
@@ -286,6 +291,26 @@ impl VirtualController {
         self.operate(Operation::SetOverride(percent)).await
     }
 
+    /// Lets `visitor` look at the controller, or change something, between two moments: variables, registers, ports,
+    /// tasks, faults, the trace.
+    ///
+    /// # Errors
+    /// The controller stopped.
+    pub async fn with<T: Send + 'static>(
+        &self,
+        visitor: impl FnOnce(&mut Controller) -> T + Send + 'static,
+    ) -> Result<T, ControllerStopped> {
+        visit(&self.lines.commands, |driver| visitor(&mut driver.core)).await
+    }
+
+    /// Injects a fault; its number.
+    ///
+    /// # Errors
+    /// What is wrong with it, nothing has changed; or the controller stopped.
+    pub async fn inject(&self, fault: FaultBody) -> Result<u64, FaultError> {
+        self.with(|core| core.inject(fault)).await?
+    }
+
     /// Snapshots as they come: at each event of the controller, not at each moment of a motion.
     #[must_use]
     pub fn subscribe(&self) -> watch::Receiver<State> {
@@ -317,6 +342,20 @@ impl Drop for VirtualController {
     fn drop(&mut self) {
         self.stop.cancel();
     }
+}
+
+/// Lets `visitor` look at the driver, or change something, between two moments.
+pub(crate) async fn visit<T: Send + 'static>(
+    commands: &mpsc::Sender<Command>,
+    visitor: impl FnOnce(&mut Driver) -> T + Send + 'static,
+) -> Result<T, ControllerStopped> {
+    ask(commands, |answer| {
+        Command::Visit(Visit(Box::new(move |driver| {
+            // Whoever asked may have gone.
+            let _gone = answer.send(visitor(driver)).map_err(drop);
+        })))
+    })
+    .await
 }
 
 /// Puts a question to the driver and waits for the answer.

@@ -2,16 +2,17 @@
 
 use karel::{IncludeFiles, Machine, Program};
 
+use super::programs::{Loaded, ProgramKind};
 use crate::config::{Limits, ProgramSource};
 use crate::error::StartError;
 
-/// Loads every program; their names in the order given.
+/// Loads every program; what is loaded in the order given.
 pub(super) fn load(
     machine: &mut Machine,
     programs: &[ProgramSource],
     includes: &[ProgramSource],
     limits: Limits,
-) -> Result<Vec<String>, StartError> {
+) -> Result<Vec<Loaded>, StartError> {
     if programs.is_empty() {
         return Err(StartError::NoProgram);
     }
@@ -45,7 +46,11 @@ pub(super) fn load(
         for warning in program.warnings() {
             tracing::warn!("{warning}");
         }
-        names.push(program.name().to_owned());
+        names.push(Loaded {
+            name: program.name().to_owned(),
+            kind: ProgramKind::of_file(file),
+            file: file.clone(),
+        });
         machine.load(program).map_err(|error| StartError::Load {
             file: file.clone(),
             reason: error.to_string(),

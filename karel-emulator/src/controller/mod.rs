@@ -7,13 +7,24 @@
 //! ([`crate::config::Limits::instructions_per_ms`]), anew after each wait that something else ended; an endless loop
 //! spends its share and rests.
 
+mod data;
+mod faults;
 mod load;
 mod operate;
 mod power;
+mod programs;
 mod snapshot;
+mod steps;
 
+pub use data::{
+    DataError, IoView, ItemKind, JointsValue, PortSet, PoseValue, RegisterView, SYSTEM, ValueBody,
+    VariableItem, kind_of, value_of_text,
+};
 pub use operate::{OperateError, Operation};
 pub use power::CmosMemory;
+pub use programs::{Lines, ProgramKind, ProgramView, TaskError, TaskSeen};
+pub(crate) use snapshot::task_in_words;
+pub use steps::{TRACE_LINES, TraceEntry, TraceError};
 
 use std::time::Duration;
 
@@ -23,9 +34,14 @@ use crate::alarms::{Alarm, Severity};
 use crate::config::{ControllerConfig, Limits};
 use crate::effects::{ConnectionId, Effect, Event};
 use crate::error::StartError;
+use crate::faults::{Passed, Wire};
 use crate::hardware::Hardware;
 use crate::ledger::LedgerEntry;
 use crate::ports::SetInputError;
+
+use faults::Faults;
+use programs::Loaded;
+use steps::{Place, Trace};
 
 /// The period in which a task may spend its instructions.
 const SHARE_PERIOD: Duration = Duration::from_millis(1);
@@ -55,6 +71,17 @@ pub struct Controller {
     run: Vec<String>,
     /// How often the power was switched on again.
     power_cycles: u32,
+    /// While the power is off: when it is switched on again.
+    off_until: Option<Duration>,
+    /// What is loaded, in order.
+    loaded: Vec<Loaded>,
+    wire: Wire,
+    faults: Faults,
+    /// Effects that the wire has let through.
+    released: Vec<Effect>,
+    trace: Trace,
+    /// The STEP key.
+    single_step: bool,
 }
 
 #[derive(Debug)]
@@ -65,6 +92,10 @@ struct Task {
     share: u32,
     /// When the present period began.
     period: Duration,
+    /// Pauses as soon as it is at another line than this one.
+    step_from: Option<Place>,
+    /// The last line that was traced.
+    traced: Option<Place>,
 }
 
 #[derive(Debug)]
@@ -92,28 +123,55 @@ impl Controller {
         check_gripper(config)?;
         let limits = config.limits;
         let mut machine = Machine::new(karel::Limits::default());
-        let names = load::load(&mut machine, &config.programs, &config.includes, limits)?;
+        let loaded = load::load(&mut machine, &config.programs, &config.includes, limits)?;
         let run = if config.run.is_empty() {
-            names.into_iter().take(1).collect()
+            let first = loaded.first().map(|program| program.name.clone());
+            first.into_iter().collect()
         } else {
             config.run.clone()
         };
-        for name in &run {
-            let _task = machine.start(name).map_err(|error| StartError::Task {
-                name: name.clone(),
-                reason: error.to_string(),
-            })?;
-        }
         let mut controller = Self {
             machine,
             hardware: Hardware::new(config),
             tasks: Vec::new(),
             task_changes: 0,
             limits,
-            run,
+            run: run.clone(),
             power_cycles: 0,
+            off_until: None,
+            loaded,
+            wire: Wire::new(config.seed),
+            faults: Faults::default(),
+            released: Vec::new(),
+            trace: Trace::default(),
+            single_step: false,
         };
+        for name in run {
+            let _task = controller
+                .start_task(&name)
+                .map_err(|error| StartError::Task {
+                    name,
+                    reason: error.to_string(),
+                })?;
+        }
         controller.follow_tasks();
+        for (item, text) in &config.presets {
+            let set = controller.set_item(item, text);
+            set.map_err(|error| StartError::Preset {
+                item: item.clone(),
+                reason: error.to_string(),
+            })?;
+        }
+        for fault in &config.faults {
+            let injected = controller.inject(fault.clone());
+            let _id = injected.map_err(|error| StartError::Fault {
+                fault: fault.fault.name(),
+                reason: error.to_string(),
+            })?;
+        }
+        if config.trace {
+            controller.trace_everything();
+        }
         Ok(controller)
     }
 
@@ -125,8 +183,16 @@ impl Controller {
 
     /// Something happened on a socket, now.
     pub fn event(&mut self, event: Event) {
-        self.hardware.socket_event(event);
-        self.wake_tasks();
+        if let Event::Connected {
+            tag, connection, ..
+        } = &event
+        {
+            let port = self.hardware.place_of(*tag);
+            self.wire.connected(*connection, *tag, port);
+        }
+        let mut passed = Passed::default();
+        self.wire.incoming(self.hardware.now, event, &mut passed);
+        self.take_passed(passed);
     }
 
     /// Does what is due now, or else goes to the next moment at which something is due, but not beyond `until`.
@@ -141,6 +207,8 @@ impl Controller {
                 self.hardware.now = self.hardware.now.max(wake);
                 self.hardware.end_motions();
                 self.hardware.end_gripping();
+                self.end_faults();
+                self.deliver();
                 self.wake_tasks();
                 Advance::Worked
             }
@@ -160,7 +228,9 @@ impl Controller {
     /// When something is due without any event from outside. In the past or now: at once.
     #[must_use]
     pub fn next_wake(&self) -> Option<Duration> {
-        let tasks = self.tasks.iter().filter_map(|task| match &task.phase {
+        let frozen = self.faults.frozen;
+        let tasks = self.tasks.iter().filter(|_| !frozen);
+        let tasks = tasks.filter_map(|task| match &task.phase {
             Phase::Ready => Some(self.hardware.now),
             Phase::Waiting(Wait::Until(time) | Wait::ReadableUntil(_, time)) => Some(*time),
             Phase::Waiting(_) | Phase::Over => None,
@@ -169,18 +239,31 @@ impl Controller {
         tasks
             .chain(self.hardware.executor.next_end())
             .chain(self.hardware.gripper_arrives())
+            .chain(self.wire.next_due())
+            .chain(self.faults.next_end())
+            .chain(self.off_until)
             .min()
     }
 
     /// What is to be done outside, in order.
     pub fn take_effects(&mut self) -> Vec<Effect> {
-        self.hardware.take_effects()
+        let mut passed = Passed {
+            effects: std::mem::take(&mut self.released),
+            events: Vec::new(),
+        };
+        for effect in self.hardware.take_effects() {
+            self.wire.outgoing(self.hardware.now, effect, &mut passed);
+        }
+        let effects = std::mem::take(&mut passed.effects);
+        self.take_passed(passed);
+        effects
     }
 
     /// How many more bytes a connection may bring now; 0 makes the peer wait.
     #[must_use]
     pub fn room(&self, connection: ConnectionId) -> usize {
-        self.hardware.room(connection)
+        let held = self.wire.held(connection);
+        self.hardware.room(connection).saturating_sub(held)
     }
 
     /// ABORT ALL: every task ends, the arm brakes, connections close.
@@ -262,6 +345,9 @@ impl Controller {
 
     /// One slice for each task that can run. Whether there was any.
     fn run_ready_tasks(&mut self) -> bool {
+        if self.faults.frozen {
+            return false;
+        }
         let now = self.hardware.now;
         for task in &mut self.tasks {
             let due = match &task.phase {
@@ -296,13 +382,21 @@ impl Controller {
             task.phase = Phase::Resting;
             return true;
         }
-        self.hardware.running = Some(task.id);
-        let slice = self.machine.run(task.id, task.share, &mut self.hardware);
+        let (id, share) = (task.id, task.share);
+        self.hardware.running = Some(id);
+        let slice = if task.step_from.is_some() || self.trace.follows() {
+            self.run_by_lines(index, id, share)
+        } else {
+            self.machine.run(id, share, &mut self.hardware)
+        };
         self.hardware.running = None;
+        let run = self.after_missing_call(id).unwrap_or(slice.run);
+        let Some(task) = self.tasks.get_mut(index) else {
+            return false;
+        };
         // A slice costs something even if it only asks again, or two tasks could wake each other for ever.
         task.share = task.share.saturating_sub(slice.used.max(1));
-        let id = task.id;
-        task.phase = match slice.run {
+        task.phase = match run {
             Run::OutOfFuel => Phase::Ready,
             Run::Blocked(wait) => Phase::Waiting(wait),
             Run::Ended => Phase::Over,
@@ -356,7 +450,12 @@ impl Controller {
                     phase: Phase::Ready,
                     share: self.limits.instructions_per_ms,
                     period: self.hardware.now,
+                    step_from: None,
+                    traced: None,
                 });
+                if self.single_step {
+                    self.step_one_line(id);
+                }
             }
         }
     }

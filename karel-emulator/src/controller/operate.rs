@@ -6,11 +6,13 @@ use serde::{Deserialize, Serialize};
 
 use super::{Controller, Phase};
 use crate::alarms::Severity;
-use crate::hardware::operator::{OperatingMode, SRVO_EMERGENCY_STOP, SRVO_PENDANT, SYST_MODE};
+use crate::hardware::operator::{
+    OperatingMode, SRVO_EMERGENCY_STOP, SRVO_NO_POWER, SRVO_PENDANT, SYST_MODE,
+};
 use crate::ledger::JointsDeg;
 
 /// An action at the controller that no program asks for.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Operation {
     /// The mode switch. Leaving AUTO pauses what moves.
@@ -40,6 +42,10 @@ pub enum Operation {
     SetOverride(i32),
     /// A person moves the arm there with the pendant, which takes no time here.
     Jog(JointsDeg),
+    /// The servos get power, or lose it: the arm brakes then, and no motion starts.
+    SetServoPower(bool),
+    /// The STEP key: tasks pause after each line, and go on for one line with CYCLE START.
+    SetSingleStep(bool),
     /// The gripper does not move any more, or can again.
     JamGripper(bool),
     /// The part falls out of the gripper.
@@ -136,6 +142,8 @@ impl Controller {
                 }
             }
             Operation::Jog(joints) => self.jog(joints)?,
+            Operation::SetServoPower(on) => self.set_servo_power(on),
+            Operation::SetSingleStep(on) => self.set_single_step(on),
             Operation::JamGripper(jammed) => {
                 if !self.hardware.jam_gripper(jammed) {
                     return Err(OperateError::Missing { what: "gripper" });
@@ -185,9 +193,19 @@ impl Controller {
         }
     }
 
-    /// RESET: no alarm is active any more, unless the emergency stop is still pressed.
+    pub(super) fn set_servo_power(&mut self, on: bool) {
+        let was_off = std::mem::replace(&mut self.hardware.operator.servo_off, !on);
+        if !on && !was_off {
+            let text = "Servo power off".to_owned();
+            self.hardware.post(SRVO_NO_POWER, text, Severity::Pause);
+            self.interrupt(Interruption::Error);
+        }
+    }
+
+    /// RESET: no alarm is active any more, unless the emergency stop is still pressed or the servos have no power.
     pub fn reset(&mut self) {
-        if !self.hardware.operator.emergency_stop {
+        let operator = self.hardware.operator;
+        if !operator.emergency_stop && !operator.servo_off {
             self.hardware.alarms.reset();
         }
     }
@@ -237,7 +255,9 @@ impl Controller {
         self.hardware.operator.hold = false;
         let ids: Vec<_> = self.machine.tasks().collect();
         for id in ids {
-            let _was_paused = self.machine.resume(id);
+            if self.machine.resume(id) && self.single_step {
+                self.step_one_line(id);
+            }
         }
         self.hardware.resume_arm();
         Ok(())
@@ -270,7 +290,7 @@ impl Controller {
     }
 
     /// Tasks pause and the arm brakes on its path.
-    fn interrupt(&mut self, by: Interruption) {
+    pub(super) fn interrupt(&mut self, by: Interruption) {
         self.pause_tasks(by);
         self.hardware.hold_arm(false);
     }

@@ -8,6 +8,9 @@ use crate::alarms::Severity;
 /// SYST-026: the controller was switched on and all is well.
 const SYST_POWER_UP: Status = Status::new(24, 26);
 
+/// SYST-997: a program that runs from power-on does not start. A number of our own.
+const SYST_NOT_STARTED: Status = Status::new(24, 997);
+
 /// What is left of the memory that a battery keeps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CmosMemory {
@@ -25,6 +28,12 @@ impl Controller {
     /// ASSUMPTION: the programs that run are started again at power-on, as if they were set up so; the brakes
     /// take as long as those of an abort.
     pub fn power_cycle(&mut self, memory: CmosMemory) {
+        self.power_off(memory);
+        self.power_on();
+    }
+
+    /// Switches off: connections end, the arm brakes, tasks are gone.
+    pub(super) fn power_off(&mut self, memory: CmosMemory) {
         for task in std::mem::take(&mut self.tasks) {
             self.hardware.release_ports(task.id);
         }
@@ -36,15 +45,22 @@ impl Controller {
                 tracing::warn!("The variable {variable} was not kept.");
             }
         }
+        self.end_wedges();
+    }
+
+    /// Switches on: the programs start that are set up so.
+    pub(super) fn power_on(&mut self) {
+        self.off_until = None;
         self.power_cycles += 1;
         self.hardware.post(
             SYST_POWER_UP,
             "System normal power up".to_owned(),
             Severity::Warn,
         );
-        for name in &self.run {
-            if let Err(error) = self.machine.start(name) {
-                tracing::error!("The program {name} does not start: {error}.");
+        for name in self.run.clone() {
+            if let Err(error) = self.start_task(&name) {
+                let text = format!("The program {name} does not start: {error}");
+                self.hardware.post(SYST_NOT_STARTED, text, Severity::Warn);
             }
         }
         self.follow_tasks();

@@ -46,6 +46,11 @@ impl Controller {
             pendant_enabled: hardware.operator.pendant,
             emergency_stop: hardware.operator.emergency_stop,
             hold: hardware.operator.hold,
+            power_on: self.off_until.is_none(),
+            servo_power: !hardware.operator.servo_off,
+            single_step: self.single_step,
+            idle: self.is_idle(),
+            faults: self.faults().len(),
             gripper: hardware.gripper.as_ref().map(Gripper::view),
             override_percent: hardware.override_percent,
             motion_queue: hardware.executor.queued(),
@@ -73,12 +78,8 @@ impl Controller {
 
     fn task_state(&self, task: &Task) -> Option<TaskState> {
         let view = self.machine.task(task.id)?;
-        let (state, detail) = match view.state {
-            karel::TaskState::Ready => (TaskWord::Running, None),
-            karel::TaskState::Blocked(wait) => (TaskWord::Waiting, Some(wait_in_words(&wait))),
-            karel::TaskState::Ended => (TaskWord::Ended, None),
-            karel::TaskState::Aborted(error) => (TaskWord::Aborted, Some(error.to_string())),
-        };
+        let paused = self.machine.is_paused(task.id);
+        let (state, detail) = task_in_words(&view.state, paused);
         Some(TaskState {
             name: view.name.to_string(),
             program: view.program.to_string(),
@@ -86,6 +87,19 @@ impl Controller {
             line: view.line,
             detail,
         })
+    }
+}
+
+/// What a task does, and what it waits for or what ended it.
+pub(crate) fn task_in_words(state: &karel::TaskState, paused: bool) -> (TaskWord, Option<String>) {
+    match state {
+        karel::TaskState::Ready | karel::TaskState::Blocked(_) if paused => {
+            (TaskWord::Waiting, Some(wait_in_words(&Wait::Continue)))
+        }
+        karel::TaskState::Ready => (TaskWord::Running, None),
+        karel::TaskState::Blocked(wait) => (TaskWord::Waiting, Some(wait_in_words(wait))),
+        karel::TaskState::Ended => (TaskWord::Ended, None),
+        karel::TaskState::Aborted(error) => (TaskWord::Aborted, Some(error.to_string())),
     }
 }
 

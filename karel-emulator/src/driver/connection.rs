@@ -156,6 +156,13 @@ impl Live {
         news.then_some(Report::Lost)
     }
 
+    /// Closes the connection so that the peer sees a reset.
+    pub(super) fn reset(self) {
+        if let Err(error) = SockRef::from(&self.stream).set_linger(Some(Duration::ZERO)) {
+            tracing::debug!(peer = %self.peer, %error, "A connection cannot be reset, it is closed.");
+        }
+    }
+
     /// Closes the connection so that the peer reads everything that was written.
     ///
     /// A socket that is dropped with unread bytes is reset, and the reset overtakes the reply. So: send, say that

@@ -59,6 +59,16 @@ pub(crate) enum Command {
         operation: Operation,
         answer: oneshot::Sender<Result<(), OperateError>>,
     },
+    Visit(Visit),
+}
+
+/// Anything else that is asked of a driver, between two moments.
+pub(crate) struct Visit(pub(crate) Box<dyn FnOnce(&mut Driver) + Send>);
+
+impl std::fmt::Debug for Visit {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Visit")
+    }
 }
 
 /// Entries of a bounded log, and how many were dropped from it.
@@ -71,11 +81,12 @@ pub(crate) struct Page<T> {
 /// The owner of one controller.
 #[derive(Debug)]
 pub(crate) struct Driver {
-    core: Controller,
+    pub(crate) core: Controller,
     net: Net,
-    time: Timekeeper,
+    pub(crate) time: Timekeeper,
     commands: mpsc::Receiver<Command>,
     state: watch::Sender<State>,
+    stop_after: Option<std::time::Duration>,
     stop: CancellationToken,
 }
 
@@ -113,6 +124,7 @@ impl Driver {
             time: Timekeeper::start(clock),
             commands,
             state,
+            stop_after: config.stop_after,
             stop,
         };
         Ok((
@@ -136,8 +148,9 @@ impl Driver {
             let wake = self
                 .core
                 .next_wake()
+                .filter(|time| self.stop_after.is_none_or(|end| *time <= end))
                 .and_then(|time| self.time.instant_of(time));
-            let stepping = matches!(&self.time, Timekeeper::Stepped(s) if s.done.is_some());
+            let stepping = self.time.is_stepping();
             let Self {
                 core,
                 net,
@@ -151,10 +164,7 @@ impl Driver {
                 () = stop.cancelled() => break,
                 Some(command) = commands.recv() => self.answer(command),
                 step = time.next_step(), if !stepping => {
-                    if let Timekeeper::Stepped(stepping) = &mut self.time {
-                        stepping.target = self.core.now().saturating_add(step.by);
-                        stepping.done = Some(step.done);
-                    }
+                    self.time.begin(self.core.now(), step);
                     // What came before the step belongs to the time before it.
                     while self.sweep() {}
                 }
@@ -169,9 +179,11 @@ impl Driver {
     /// Brings the core up to the clock, but not for longer than one turn. Whether more is to be done at once.
     fn work(&mut self) -> bool {
         for _ in 0..MOMENTS_A_TURN {
-            let advance = self.core.advance(self.time.target());
+            let target = self.time.target(self.core.now(), self.core.next_wake());
+            let target = self.stop_after.map_or(target, |end| target.min(end));
+            let advance = self.core.advance(target);
             self.apply_effects();
-            let swept = matches!(self.time, Timekeeper::Stepped(_)) && self.sweep();
+            let swept = self.time.is_still() && self.sweep();
             if advance == Advance::Reached && !swept {
                 self.finish_step();
                 return false;
@@ -198,12 +210,7 @@ impl Driver {
     }
 
     fn finish_step(&mut self) {
-        if let Timekeeper::Stepped(stepping) = &mut self.time
-            && let Some(done) = stepping.done.take()
-        {
-            // Nobody waits any more if the test gave up.
-            let _given_up = done.send(self.core.now());
-        }
+        self.time.finish_step(self.core.now());
     }
 
     fn event(&mut self, event: Event) {
@@ -255,6 +262,11 @@ impl Driver {
                 let done = self.core.operate(operation);
                 self.apply_effects();
                 answer.send(done).map_err(drop)
+            }
+            Command::Visit(Visit(visit)) => {
+                visit(self);
+                self.apply_effects();
+                Ok(())
             }
         };
     }

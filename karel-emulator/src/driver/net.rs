@@ -123,6 +123,11 @@ impl Net {
                     self.note(connection, report);
                 }
             }
+            Effect::Reset { connection } => {
+                if let Some(live) = self.connections.remove(&connection) {
+                    live.reset();
+                }
+            }
             Effect::Close { connection } => self.close(connection),
         }
     }

@@ -4,6 +4,7 @@ use karel::{MotionId, MotionRequest, Progress, Status, TaskId, Value, Wait};
 use kinematics::PendantJoints;
 use units::MmPerSec;
 
+use super::operator::Operator;
 use super::{Hardware, MotionTag, Wake};
 use crate::ledger::{LedgerEntry, LedgerEvent, MotionKind, seconds};
 use crate::motion::planner::{pose_mm_deg, pose_of_target};
@@ -157,8 +158,11 @@ impl Hardware {
     }
 
     /// Follows `$MCR.$GENOVERRIDE`.
-    pub(super) fn follow_override(&mut self) {
+    pub(crate) fn follow_override(&mut self) {
         if let Ok(percent) = self.variables.integer("$MCR.$GENOVERRIDE")
+            && let percent = self
+                .override_limit
+                .map_or(percent, |limit| percent.min(limit))
             && percent != self.override_percent
         {
             self.override_percent = percent;
@@ -324,7 +328,14 @@ impl Hardware {
         match live {
             crate::sysvars::Live::RobotMoves => Value::Boolean(self.executor.is_moving()),
             crate::sysvars::Live::SafetyStatus => Value::Integer(self.safety_status()),
-            crate::sysvars::Live::ServoReady => Value::Boolean(!self.operator.emergency_stop),
+            crate::sysvars::Live::ServoReady => {
+                let Operator {
+                    emergency_stop,
+                    servo_off,
+                    ..
+                } = self.operator;
+                Value::Boolean(!emergency_stop && !servo_off)
+            }
             crate::sysvars::Live::FastClock => {
                 let wrapped = self.now.as_millis() % (1 << 31);
                 Value::Integer(i32::try_from(wrapped).unwrap_or(0))

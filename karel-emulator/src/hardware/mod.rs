@@ -10,7 +10,7 @@ pub(crate) mod operator;
 mod sockets;
 mod tp;
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
@@ -18,9 +18,10 @@ use std::time::Duration;
 use karel::{FileId, MotionId, RuntimeError, Status, TaskId, Wait};
 
 use crate::alarms::{Alarm, AlarmLog, Severity};
-use crate::config::ControllerConfig;
+use crate::config::{ControllerConfig, ScreenSink};
 use crate::controller::CmosMemory;
 use crate::effects::{ConnectionId, Effect, Tag};
+use crate::faults::ControllerOption;
 use crate::ledger::{CommandId, Ledger, MotionKind, PoseMmDeg, seconds};
 use crate::motion::{Executor, Planner, Refusal};
 use crate::ports::Ports;
@@ -48,12 +49,19 @@ pub(crate) struct Hardware {
     pub(crate) alarms: AlarmLog,
     pub(crate) tags: Vec<ServerTag>,
     pub(crate) screen: VecDeque<String>,
+    screen_sink: Option<ScreenSink>,
     pub(crate) operator: Operator,
     pub(crate) gripper: Option<Gripper>,
     /// Where programs note the command that they carry out.
     command_registers: Option<(u16, u16)>,
     /// The task whose statements are executed now.
     pub(crate) running: Option<TaskId>,
+    /// A fault: the general override does not go beyond this.
+    pub(crate) override_limit: Option<i32>,
+    /// Options that the controller was delivered without.
+    pub(crate) missing: BTreeSet<ControllerOption>,
+    /// The built-in that the running task called and that does not exist without an option.
+    pub(crate) missing_call: Option<&'static str>,
     effects: Vec<Effect>,
     wakes: Vec<Wake>,
     files: BTreeMap<FileId, OpenFile>,
@@ -146,10 +154,14 @@ impl Hardware {
             alarms: AlarmLog::new(config.limits.alarms),
             tags: Tag::all().map(ServerTag::new).collect(),
             screen: VecDeque::new(),
+            screen_sink: config.screen.clone(),
             operator: Operator::default(),
             gripper,
             command_registers: config.command_registers,
             running: None,
+            override_limit: None,
+            missing: config.missing_options.clone(),
+            missing_call: None,
             effects: Vec::new(),
             wakes: Vec::new(),
             files: BTreeMap::new(),
@@ -169,6 +181,15 @@ impl Hardware {
         std::mem::take(&mut self.effects)
     }
 
+    /// Whether the option for sockets is missing; what calls `builtin` ends then.
+    fn lacks_sockets(&mut self, builtin: &'static str) -> bool {
+        let missing = self.missing.contains(&ControllerOption::R648);
+        if missing {
+            self.missing_call = Some(builtin);
+        }
+        missing
+    }
+
     pub(crate) fn take_wakes(&mut self) -> Vec<Wake> {
         std::mem::take(&mut self.wakes)
     }
@@ -178,6 +199,7 @@ impl Hardware {
         self.close_connections();
         for slot in &mut self.tags {
             slot.task = None;
+            slot.wedged = false;
         }
         self.stop_arm("The power was switched off");
         self.operator.hold = false;
@@ -243,6 +265,9 @@ impl Hardware {
 
     /// Text for the USER screen: the last lines are kept, control bytes are not.
     fn show(&mut self, text: &[u8]) {
+        if let Some(ScreenSink(sink)) = &self.screen_sink {
+            sink(text);
+        }
         for line in text.split(|&byte| byte == b'\n' || byte == b'\r') {
             let line: String = line
                 .iter()

@@ -8,7 +8,7 @@ use crate::alarms::Severity;
 use crate::motion::Refusal;
 
 /// The mode switch.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "UPPERCASE")]
 pub enum OperatingMode {
     /// Manual with reduced speed.
@@ -37,6 +37,8 @@ pub(crate) struct Operator {
     pub(crate) pendant: bool,
     pub(crate) emergency_stop: bool,
     pub(crate) hold: bool,
+    /// The servos have no power.
+    pub(crate) servo_off: bool,
 }
 
 /// SRVO-001: the emergency stop of the operator panel.
@@ -45,6 +47,8 @@ pub(crate) const SRVO_EMERGENCY_STOP: Status = Status::new(11, 1);
 ///
 /// ASSUMPTION: this number and the next one are ours.
 pub(crate) const SRVO_PENDANT: Status = Status::new(11, 3);
+/// SRVO-998: the servos have no power. A number of our own.
+pub(crate) const SRVO_NO_POWER: Status = Status::new(11, 998);
 /// SYST-040: the mode was changed, or does not permit a motion.
 pub(crate) const SYST_MODE: Status = Status::new(24, 40);
 
@@ -76,7 +80,7 @@ const LAST_PANEL_PORT: i32 = 15;
 
 impl Hardware {
     /// Whether a motion may start; a motion that is held by HOLD may, and waits.
-    pub(super) fn may_move(&self) -> Result<(), Refusal> {
+    pub(crate) fn may_move(&self) -> Result<(), Refusal> {
         let Operator {
             mode,
             pendant,
@@ -86,6 +90,9 @@ impl Hardware {
         if emergency_stop {
             let text = "The emergency stop is pressed";
             return Err(Refusal::new(SRVO_EMERGENCY_STOP, text));
+        }
+        if self.operator.servo_off {
+            return Err(Refusal::new(SRVO_NO_POWER, "The servos have no power"));
         }
         if pendant {
             return Err(Refusal::new(SRVO_PENDANT, "The teach pendant is enabled"));

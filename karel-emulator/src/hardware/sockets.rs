@@ -25,8 +25,14 @@ impl Hardware {
     fn try_connect(&mut self, task: TaskId, name: &str) -> Result<Progress<Status>, Status> {
         let tag = Tag::parse(name).ok_or(Status::HOST_TAG)?;
         let port = self.port_of(tag)?;
-        let slot = self.slot(tag).ok_or(Status::HOST_TAG)?;
         let wait = || Progress::Pending(Wait::Connect(format!("S{}", tag.number())));
+        if self.lacks_sockets("MSG_CONNECT") {
+            return Ok(wait());
+        }
+        let slot = self.slot(tag).ok_or(Status::HOST_TAG)?;
+        if slot.wedged {
+            return Err(Status::HOST_TAG);
+        }
         match std::mem::replace(&mut slot.state, TagState::Idle) {
             TagState::Idle => {
                 slot.state = TagState::Waiting;
@@ -83,6 +89,9 @@ impl Hardware {
         let Some(slot) = self.slot(tag) else {
             return Status::HOST_TAG;
         };
+        if slot.wedged {
+            return Status::HOST_TAG;
+        }
         let another_waits = matches!(slot.state, TagState::Waiting | TagState::Accepted(_))
             && slot.task != Some(task);
         let effect = slot.disconnect();
@@ -291,6 +300,27 @@ impl Hardware {
             self.effects.extend(effect);
         }
         self.files.clear();
+    }
+
+    /// A fault: the tag answers to nobody any more, or does again. Clients wait in the backlog meanwhile.
+    pub(crate) fn wedge(&mut self, tag: Tag, wedged: bool) {
+        let Some(slot) = self.slot(tag) else {
+            return;
+        };
+        slot.wedged = wedged;
+        if let (TagState::Waiting, Some(port)) = (&slot.state, slot.port) {
+            self.effects.push(if wedged {
+                Effect::StopAccepting { tag }
+            } else {
+                Effect::Accept { tag, port }
+            });
+        }
+    }
+
+    /// The tag and the port of a connection.
+    pub(crate) fn place_of(&self, tag: Tag) -> Option<u16> {
+        let slot = self.tags.iter().find(|slot| slot.tag == tag)?;
+        slot.port
     }
 
     /// How many more bytes a connection may bring now.

@@ -53,7 +53,7 @@ impl Hardware {
     }
 
     /// Pauses what a task moves; the arm brakes on its path.
-    pub(super) fn hold_motions_of(&mut self, task: TaskId) {
+    pub(crate) fn hold_motions_of(&mut self, task: TaskId) {
         let mine = self
             .executor
             .current()
@@ -65,7 +65,7 @@ impl Hardware {
     }
 
     /// Lets the held motion of a task go on, unless the operator holds everything.
-    pub(super) fn continue_motions_of(&mut self, task: TaskId) {
+    pub(crate) fn continue_motions_of(&mut self, task: TaskId) {
         let mine = self
             .executor
             .current()

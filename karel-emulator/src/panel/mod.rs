@@ -1,5 +1,7 @@
-//! The panel: the controller over HTTP, for people and for tests. It can look and not touch.
+//! The panel: the controller over HTTP, for people and for tests. Its page can look and not touch; what changes
+//! something is the [control interface](control), if it is open.
 
+pub mod control;
 mod serve;
 
 use axum::Router;
@@ -11,17 +13,27 @@ use axum::response::{Html, IntoResponse, Json, Response};
 use axum::routing::get;
 use serde::{Deserialize, Serialize};
 use tokio::net::TcpListener;
-use tokio::sync::mpsc;
+use tokio::sync::{mpsc, watch};
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
+use crate::config::ControlAccess;
 use crate::driver::{Command, Page};
 use crate::error::ControllerStopped;
+use crate::state::State;
 use crate::virtual_controller::ask;
 
 const PAGE: &str = include_str!("page.html");
 
 type Commands = mpsc::Sender<Command>;
+
+/// Who answers the visitors of a panel, and what they may do.
+#[derive(Clone, Debug)]
+pub(crate) struct Visitors {
+    pub(crate) commands: Commands,
+    pub(crate) states: watch::Receiver<State>,
+    pub(crate) access: ControlAccess,
+}
 
 /// The page runs its own script and asks its own origin, nothing else.
 const CONTENT_POLICY: &str = "default-src 'none'; img-src data:; script-src 'unsafe-inline'; style-src 'unsafe-inline'; \
@@ -30,25 +42,27 @@ const CONTENT_POLICY: &str = "default-src 'none'; img-src data:; script-src 'uns
 /// Serves the panel until `stop`.
 pub(crate) async fn serve(
     listener: TcpListener,
-    commands: Commands,
+    visitors: Visitors,
     stop: CancellationToken,
     tracker: TaskTracker,
 ) {
-    serve::serve(listener, router(commands), stop, tracker).await;
+    serve::serve(listener, router(visitors), stop, tracker).await;
 }
 
 /// The routes of the panel.
-fn router(commands: Commands) -> Router {
+fn router(visitors: Visitors) -> Router {
+    let commands = visitors.commands.clone();
     Router::new()
         .route("/", get(|| async { Html(PAGE) }))
         .route("/state", get(state))
         .route("/ledger", get(ledger))
         .route("/alarms", get(alarms))
         .route("/screen", get(screen))
+        .with_state(commands)
+        .merge(control::router(visitors))
         .fallback(not_found)
         .method_not_allowed_fallback(not_allowed)
         .layer(middleware::from_fn(guard))
-        .with_state(commands)
 }
 
 /// A list of a bounded log.
@@ -125,8 +139,9 @@ async fn not_found(request: Request) -> Response {
 
 async fn not_allowed(request: Request) -> Response {
     let text = format!(
-        "{} cannot be sent here: the panel can look and not touch",
-        request.method()
+        "{} cannot be sent to {}",
+        request.method(),
+        request.uri().path()
     );
     problem(StatusCode::METHOD_NOT_ALLOWED, &text)
 }

@@ -84,6 +84,11 @@ impl SystemVariables {
         Self { variables, shapes }
     }
 
+    /// The paths of all variables, in order.
+    pub fn paths(&self) -> impl Iterator<Item = &str> {
+        self.variables.keys().map(String::as_str)
+    }
+
     /// Reads a whole variable or array element.
     ///
     /// # Errors

@@ -85,7 +85,7 @@ impl World {
                     self.accepting[slot(tag)] = false;
                 }
                 Effect::Send { connection, bytes } => self.hear(connection, &bytes),
-                Effect::Close { connection } => {
+                Effect::Close { connection } | Effect::Reset { connection } => {
                     for client in &mut self.clients {
                         if *client == Some(connection) {
                             *client = None;

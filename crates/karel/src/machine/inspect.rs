@@ -67,7 +67,13 @@ impl Machine {
 
     /// Ends a task with an error as if its present statement had failed, posts the alarm, and says
     /// whether the task was alive. What moves is the host's business.
-    pub fn fail(&mut self, id: TaskId, status: Status, message: String, host: &mut dyn Host) -> bool {
+    pub fn fail(
+        &mut self,
+        id: TaskId,
+        status: Status,
+        message: String,
+        host: &mut dyn Host,
+    ) -> bool {
         let alive = |task: &&super::Task| is_alive(&task.state);
         let Some(task) = self.tasks.get(id).filter(alive) else {
             return false;
@@ -162,7 +168,14 @@ END shown
         let (views, more) = machine.variables_of("shown", 100).unwrap();
         let paths: Vec<&str> = views.iter().map(|view| view.path.as_str()).collect();
         let expected = [
-            "CFG.OK", "CFG.N[1]", "CFG.N[2]", "GRID[1,1]", "GRID[1,2]", "GRID[2,1]", "GRID[2,2]", "NAME",
+            "CFG.OK",
+            "CFG.N[1]",
+            "CFG.N[2]",
+            "GRID[1,1]",
+            "GRID[1,2]",
+            "GRID[2,1]",
+            "GRID[2,2]",
+            "NAME",
         ];
         assert_eq!((paths.as_slice(), more), (&expected[..], false));
         for view in &views {

@@ -35,8 +35,8 @@ use semaphore::Semaphores;
 use timer::Timers;
 
 pub(crate) use arithmetic::finite;
-pub use inspect::VariableView;
 use fault::Fault;
+pub use inspect::VariableView;
 pub(crate) use system::{component_of, set_component};
 use task::Task;
 pub(crate) use tasks::Tasks;

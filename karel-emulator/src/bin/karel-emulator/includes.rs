@@ -8,7 +8,7 @@ use karel_emulator::config::ProgramSource;
 
 /// A folder, and what was taken from it.
 pub(crate) struct Folder {
-    root: PathBuf,
+    roots: Vec<PathBuf>,
     taken: RefCell<Vec<ProgramSource>>,
 }
 
@@ -18,13 +18,19 @@ impl Folder {
         let parent = program.parent().unwrap_or(Path::new(""));
         let here = parent.as_os_str().is_empty();
         Self {
-            root: if here {
+            roots: vec![if here {
                 PathBuf::from(".")
             } else {
                 parent.to_owned()
-            },
+            }],
             taken: RefCell::new(Vec::new()),
         }
+    }
+
+    /// Also these folders, in order, behind that of the program.
+    pub(crate) fn and(mut self, folders: &[PathBuf]) -> Self {
+        self.roots.extend_from_slice(folders);
+        self
     }
 
     /// The files that were found so far.
@@ -33,8 +39,8 @@ impl Folder {
     }
 
     /// Names on a controller have no case, file names here may have.
-    fn path(&self, key: &str) -> Option<PathBuf> {
-        let mut path = self.root.clone();
+    fn path(root: &Path, key: &str) -> Option<PathBuf> {
+        let mut path = root.to_owned();
         let mut steps = key.split('/').peekable();
         while let Some(step) = steps.next() {
             let is_last = steps.peek().is_none();
@@ -56,7 +62,8 @@ impl Folder {
 impl Includes for Folder {
     fn find(&self, path: &str) -> Option<IncludeFile> {
         let key = IncludeFiles::key(path);
-        let found = self.path(&key)?;
+        let mut roots = self.roots.iter();
+        let found = roots.find_map(|root| Self::path(root, &key))?;
         let text = std::fs::read(&found).ok()?;
         let name = found.display().to_string();
         // The name that the controller looks for is the one that the program writes.

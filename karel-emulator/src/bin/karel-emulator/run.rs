@@ -9,15 +9,22 @@ use anyhow::{Context, anyhow, bail};
 use clap::ValueEnum;
 use karel::Program;
 use karel_emulator::config::{ControllerConfig, Exposure, ProgramSource, SecondClient};
-use karel_emulator::{Clock, PeerLabels, VirtualController};
+use karel_emulator::{
+    Clock, ControlAccess, ControllerOption, FaultBody, PeerLabels, VirtualController,
+};
 use kinematics::{ArmModel, PendantJoints};
 use tokio::signal::unix::{SignalKind, signal};
+
+mod idle;
 
 use crate::includes::Folder;
 
 /// Run KAREL programs on a virtual controller.
 ///
-/// It runs until it is interrupted, even when its programs have ended, so that its state can be looked at.
+/// It runs until it is interrupted, even when its programs have ended, so that its state can be looked at. With
+/// --until-idle it ends as soon as nothing more will happen without somebody outside, and its exit code says whether a
+/// task was aborted or an alarm is active: that is what a test in CI wants. What programs write to the USER screen goes
+/// to the standard output then.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Run {
     /// KAREL sources, or listings (`.ls`) of TP programs, to load.
@@ -29,12 +36,49 @@ pub(crate) struct Run {
     /// Open the program's port PORT as HOST of this machine, 0 for any free port; can be given several times.
     #[arg(long = "port-map", value_name = "PORT=HOST", value_parser = parse_port_map)]
     port_map: Vec<(u16, u16)>,
-    /// Address of the panel, always loopback, or `off`.
-    #[arg(long, default_value = "127.0.0.1:8081", value_name = "ADDRESS|off")]
-    panel: String,
-    /// Controller seconds in a second, up to 1000.
-    #[arg(long, default_value_t = 1.0, value_name = "N")]
-    time_scale: f64,
+    /// Look for `%INCLUDE` files in this folder, too; can be given several times.
+    #[arg(long = "include", value_name = "FOLDER")]
+    includes: Vec<PathBuf>,
+    /// Address of the panel, always loopback, or `off`. [default: 127.0.0.1:8081, with --until-idle off]
+    #[arg(long, value_name = "ADDRESS|off")]
+    panel: Option<String>,
+    /// The panel can look and not touch: no control interface.
+    #[arg(long)]
+    look_only: bool,
+    /// Controller seconds in a second, up to 1000; or `max`: time jumps to whatever is due next, for programs that talk
+    /// to nobody. [default: 1, with --until-idle max]
+    #[arg(long, value_name = "N|max")]
+    time_scale: Option<String>,
+    /// End as soon as nothing more will happen without somebody outside. Exit code 1 if a task was aborted by an error,
+    /// an alarm is active, or that does not happen in time.
+    #[arg(long)]
+    until_idle: bool,
+    /// With --until-idle: give up after so many seconds of controller time.
+    #[arg(
+        long,
+        default_value_t = 300.0,
+        value_name = "SECONDS",
+        requires = "until_idle"
+    )]
+    limit: f64,
+    /// What random faults are drawn from: the same seed and the same inputs give the same run.
+    #[arg(long, default_value_t = 0, value_name = "NUMBER")]
+    seed: u64,
+    /// Set this before the first statement runs, such as R[1]=5, DIN[3]=ON, [PROG]VAR=true; can be given several times.
+    #[arg(long = "set", value_name = "ITEM=VALUE", value_parser = parse_preset)]
+    presets: Vec<(String, String)>,
+    /// A fault from the start, as JSON: {"fault": {"delay": {"ms": 50}}, "times": 3}; can be given several times.
+    #[arg(long = "fault", value_name = "JSON", value_parser = parse_fault)]
+    faults: Vec<FaultBody>,
+    /// An option that the controller was delivered without; can be given several times.
+    #[arg(long = "missing-option", value_enum, value_name = "OPTION")]
+    missing_options: Vec<MissingOption>,
+    /// With --until-idle: write what the arm did to this file, one JSON object a line.
+    #[arg(long, value_name = "FILE", requires = "until_idle")]
+    ledger: Option<PathBuf>,
+    /// With --until-idle: write the executed lines to this file, the last 10000 of them.
+    #[arg(long, value_name = "FILE", requires = "until_idle")]
+    trace: Option<PathBuf>,
     /// The arm.
     #[arg(long, default_value = "fanuc-m20ia")]
     model: String,
@@ -51,13 +95,19 @@ pub(crate) struct Run {
     #[arg(long, value_enum, default_value_t = Second::Backlog)]
     second_client: Second,
     /// What to log on standard error, such as `info` or `karel_emulator=debug`.
-    #[arg(
-        long,
-        default_value = "info",
-        env = "KAREL_EMULATOR_LOG",
-        value_name = "FILTER"
-    )]
-    log: String,
+    ///
+    /// [default: info, with --until-idle warn]
+    #[arg(long, env = "KAREL_EMULATOR_LOG", value_name = "FILTER")]
+    log: Option<String>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+#[value(rename_all = "UPPER")]
+enum MissingOption {
+    /// KAREL.
+    R632,
+    /// User Socket Messaging.
+    R648,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -70,21 +120,22 @@ enum Second {
 
 impl Run {
     pub(crate) fn run(&self) -> anyhow::Result<ExitCode> {
-        let filter = tracing_subscriber::EnvFilter::try_new(&self.log)
-            .with_context(|| format!("reading the log filter {:?}", self.log))?;
+        let usual = if self.until_idle { "warn" } else { "info" };
+        let log = self.log.as_deref().unwrap_or(usual);
+        let filter = tracing_subscriber::EnvFilter::try_new(log)
+            .with_context(|| format!("reading the log filter {log:?}"))?;
         tracing_subscriber::fmt()
             .with_env_filter(filter)
             .with_writer(std::io::stderr)
             .with_ansi(use_color())
             .init();
-        let config = self.config()?;
-        let clock = Clock::scaled(self.time_scale).ok_or_else(|| {
-            anyhow!(
-                "the time scale is {}, it must be above 0 and at most 1000",
-                self.time_scale
-            )
-        })?;
+        let mut config = self.config()?;
+        let usual = if self.until_idle { "max" } else { "1" };
+        let clock = parse_clock(self.time_scale.as_deref().unwrap_or(usual))?;
         let runtime = tokio::runtime::Runtime::new().context("starting the runtime")?;
+        if self.until_idle {
+            return runtime.block_on(self.until_idle(&mut config, clock));
+        }
         runtime.block_on(serve(&config, clock))?;
         Ok(ExitCode::SUCCESS)
     }
@@ -102,7 +153,7 @@ impl Run {
             let text =
                 std::fs::read(path).with_context(|| format!("reading {}", path.display()))?;
             let name = path.display().to_string();
-            let folder = Folder::of(path);
+            let folder = Folder::of(path).and(&self.includes);
             // What is wrong with the program is reported when the controller loads it.
             let _looked_at = Program::from_file(&text, &name, &folder);
             config.includes.extend(folder.into_taken());
@@ -121,7 +172,23 @@ impl Run {
             Second::Backlog => SecondClient::Backlog,
             Second::Refuse => SecondClient::Refuse,
         };
-        config.panel = parse_panel(&self.panel)?;
+        let usual = if self.until_idle {
+            "off"
+        } else {
+            "127.0.0.1:8081"
+        };
+        config.panel = parse_panel(self.panel.as_deref().unwrap_or(usual))?;
+        if !self.look_only {
+            config.control = ControlAccess::Control;
+        }
+        config.seed = self.seed;
+        config.presets.clone_from(&self.presets);
+        config.faults.clone_from(&self.faults);
+        let option = |option: &MissingOption| match option {
+            MissingOption::R632 => ControllerOption::R632,
+            MissingOption::R648 => ControllerOption::R648,
+        };
+        config.missing_options = self.missing_options.iter().map(option).collect();
         Ok(config)
     }
 }
@@ -149,6 +216,27 @@ async fn serve(config: &ControllerConfig, clock: Clock) -> anyhow::Result<()> {
     };
     controller.shutdown().await;
     ended
+}
+
+fn parse_clock(text: &str) -> anyhow::Result<Clock> {
+    if text.eq_ignore_ascii_case("max") {
+        return Ok(Clock::unhurried());
+    }
+    let scale = text.parse().ok().and_then(Clock::scaled);
+    scale.ok_or_else(|| {
+        anyhow!("the time scale is {text}, it must be above 0 and at most 1000, or max")
+    })
+}
+
+fn parse_preset(text: &str) -> Result<(String, String), String> {
+    let (item, value) = text
+        .split_once('=')
+        .ok_or_else(|| format!("{text:?} is not ITEM=VALUE, such as R[1]=5"))?;
+    Ok((item.trim().to_owned(), value.trim().to_owned()))
+}
+
+fn parse_fault(text: &str) -> Result<FaultBody, String> {
+    serde_json::from_str(text).map_err(|error| format!("this is no fault: {error}"))
 }
 
 fn parse_port_map(text: &str) -> Result<(u16, u16), String> {
@@ -194,6 +282,16 @@ fn parse_joints(text: &str) -> anyhow::Result<PendantJoints> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn time_scales_are_numbers_up_to_a_thousand_or_max() {
+        for good in ["1", "0.5", "1000", "max"] {
+            assert!(parse_clock(good).is_ok(), "{good}");
+        }
+        for wrong in ["0", "-1", "1001", "nan", "fast", ""] {
+            assert!(parse_clock(wrong).is_err(), "{wrong}");
+        }
+    }
 
     #[test]
     fn port_maps_are_two_ports() {
