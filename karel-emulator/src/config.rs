@@ -54,7 +54,10 @@ pub enum Exposure {
 
 /// Gets the bytes that programs write to the USER screen, as they come. It must not wait.
 #[derive(Clone)]
-pub struct ScreenSink(pub Arc<dyn Fn(&[u8]) + Send + Sync>);
+pub struct ScreenSink(pub Arc<Written>);
+
+/// Called with the bytes of one WRITE.
+type Written = dyn Fn(&[u8]) + Send + Sync;
 
 impl std::fmt::Debug for ScreenSink {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {

@@ -1,12 +1,14 @@
 //! Injected faults do what they say, where they say it, for as long as they say it.
 
+#![expect(clippy::unwrap_used, reason = "a helper that fails stops its test")]
+
 mod common;
 
 use std::io::ErrorKind;
 
 use common::{ACCEPTED, LINE, PORT, Stepped, call, config_of, read_to_end, sock_server, within};
 use karel::{Port, PortValue};
-use karel_emulator::controller::ValueBody;
+use karel_emulator::controller::{PortSet, ValueBody};
 use karel_emulator::faults::{ControllerOption, Direction, Memory, Scope};
 use karel_emulator::ledger::PoseMmDeg;
 use karel_emulator::state::TaskWord;
@@ -405,7 +407,6 @@ async fn faults_are_bounded_and_what_is_wrong_is_named() {
 async fn a_simulated_input_hides_the_world() {
     let program = "PROGRAM look\nBEGIN\n  WAIT FOR DIN[3] = ON\nEND look\n";
     let cell = Stepped::start(&config_of(program, &[]));
-    use karel_emulator::controller::PortSet;
     let set = |set| cell.controller.with(move |core| core.set_io("DIN[3]", set));
     set(PortSet::Simulate(0)).await.unwrap().unwrap();
     cell.controller

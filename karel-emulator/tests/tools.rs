@@ -92,7 +92,7 @@ fn check_tells_every_error_of_every_file_for_people_and_for_machines() {
     let (code, stdout, stderr) = tool(&["check", &a, &b, &good]);
     assert_eq!((code, stdout.as_str()), (Some(1), ""));
     assert_eq!(stderr.matches("error: ").count(), 3, "{stderr}");
-    assert_eq!(stderr.matches('^').count() >= 3, true, "{stderr}");
+    assert!(stderr.matches('^').count() >= 3, "{stderr}");
     let (code, stdout, stderr) = tool(&["check", "--json", &a, &b, &good]);
     assert_eq!((code, stderr.as_str()), (Some(1), ""));
     let found: Value = serde_json::from_str(&stdout).expect("one JSON document");

@@ -189,10 +189,10 @@ impl Controller {
     ///
     /// # Errors
     /// The text is no path, there is no such variable, or a value that it cannot have.
-    pub fn set_variable(&mut self, text: &str, value: Option<ValueBody>) -> Result<(), DataError> {
+    pub fn set_variable(&mut self, text: &str, value: Option<&ValueBody>) -> Result<(), DataError> {
         let FullPath { program, path } = FullPath::parse(text)?;
         let mut last = Status::VARS_TYPE;
-        for candidate in candidates(text, value.as_ref())? {
+        for candidate in candidates(text, value)? {
             let set = match (&program, candidate) {
                 (Some(program), value) => self.machine.set_variable(program, &path, value.as_ref()),
                 (None, value) => self.set_system_value(&path, value),
@@ -212,7 +212,7 @@ impl Controller {
         }
         Err(DataError::Value {
             what: shown(text),
-            value: in_words(value.as_ref()),
+            value: in_words(value),
             reason: reason_of(last),
         })
     }
@@ -357,12 +357,12 @@ impl Controller {
             (RegisterKind::Flag, _) => return Err(wrong("it is true or false")),
             (RegisterKind::Position, None) => registers.set_position(n, PositionRegister::Unset),
             (RegisterKind::Position, Some(body)) => {
-                let position = match value_of(text, body)? {
-                    Value::Joints(joints) => PositionRegister::Joints(joints),
-                    other => match other.as_xyzwprext() {
-                        Some(pose) => PositionRegister::Cartesian(pose),
-                        None => return Err(wrong("it holds a pose or joints")),
-                    },
+                let position = value_of(text, body)?;
+                let pose = position.as_xyzwprext().map(PositionRegister::Cartesian);
+                let position = match (pose, position) {
+                    (Some(pose), _) => pose,
+                    (None, Value::Joints(joints)) => PositionRegister::Joints(joints),
+                    (None, _) => return Err(wrong("it holds a pose or joints")),
                 };
                 registers.set_position(n, position)
             }
@@ -454,7 +454,7 @@ impl Controller {
     pub fn set_item(&mut self, item: &str, text: &str) -> Result<(), DataError> {
         let value = value_of_text(item, text)?;
         match kind_of(item) {
-            ItemKind::Variable => self.set_variable(item, value),
+            ItemKind::Variable => self.set_variable(item, value.as_ref()),
             ItemKind::Register => self.set_register(item, value.as_ref()),
             ItemKind::Port => {
                 let number = match &value {
@@ -474,9 +474,10 @@ impl Controller {
     }
 
     fn no_port(&self, port: Port, n: u16) -> DataError {
-        let reason = match port {
-            Port::PanelIn | Port::PanelOut => "they go from 0 to 15".to_owned(),
-            _ => format!("the last is {port}[{}]", self.hardware.ports.count(port)),
+        let reason = if matches!(port, Port::PanelIn | Port::PanelOut) {
+            "they go from 0 to 15".to_owned()
+        } else {
+            format!("the last is {port}[{}]", self.hardware.ports.count(port))
         };
         let what = format!("{port}[{n}]");
         DataError::Missing { what, reason }

@@ -65,7 +65,7 @@ pub enum FaultKind {
     Reset,
     /// The controller hangs: no task runs, the arm brakes, connections stay open and silent.
     Freeze,
-    /// A server tag is wedged: MSG_CONNECT and MSG_DISCO answer HOST-144, and its connection stays open and silent,
+    /// A server tag is wedged: `MSG_CONNECT` and `MSG_DISCO` answer HOST-144, and its connection stays open and silent,
     /// until the power is switched off and on.
     WedgeTag {
         /// `S1` to `S8`.
@@ -435,7 +435,7 @@ pub enum FaultError {
     Stopped(#[from] ControllerStopped),
 }
 
-/// Numbers that look random and are the same for the same seed (SplitMix64, Steele et al. 2014).
+/// Numbers that look random and are the same for the same seed (`SplitMix64`, Steele et al. 2014).
 #[derive(Clone, Debug)]
 pub(crate) struct Dice(u64);
 

@@ -87,7 +87,7 @@ impl Wire {
         if rule.kind == FaultKind::Reset {
             let hit = |connection: &ConnectionId| {
                 let place = self.places.get(connection);
-                place.is_some_and(|place| rule.is_about(*connection, place, true))
+                place.is_some_and(|place| rule.is_about(*connection, *place, true))
             };
             return self.places.keys().copied().filter(hit).collect();
         }
@@ -219,7 +219,7 @@ impl Wire {
             return false;
         };
         let place = self.places.get(&connection);
-        if !place.is_some_and(|place| rule.is_about(connection, place, inward)) {
+        if !place.is_some_and(|place| rule.is_about(connection, *place, inward)) {
             return false;
         }
         match &mut rule.times_left {
@@ -314,7 +314,7 @@ impl Wire {
             let place = self.places.get(&connection);
             let mut rules = self.rules.iter_mut().filter(half_open);
             let rule = rules.find(|rule| {
-                let about = place.is_some_and(|place| rule.is_about(connection, place, inward));
+                let about = place.is_some_and(|place| rule.is_about(connection, *place, inward));
                 about && rule.times_left != Some(0)
             });
             let Some(rule) = rule else {
@@ -341,7 +341,7 @@ impl Wire {
         let place = self.places.get(&connection);
         self.rules.iter().any(|rule| {
             rule.kind == FaultKind::Stall
-                && place.is_some_and(|place| rule.is_about(connection, place, inward))
+                && place.is_some_and(|place| rule.is_about(connection, *place, inward))
         })
     }
 
@@ -377,7 +377,7 @@ impl Rule {
     fn is_about(
         &self,
         connection: ConnectionId,
-        (tag, port): &(Tag, Option<u16>),
+        (tag, port): (Tag, Option<u16>),
         inward: bool,
     ) -> bool {
         let Scope {
@@ -391,11 +391,11 @@ impl Rule {
             Direction::Out => !inward,
             Direction::Both => true,
         };
-        way && wanted_port.is_none_or(|wanted| *port == Some(wanted))
+        way && wanted_port.is_none_or(|wanted| port == Some(wanted))
             && wanted_connection.is_none_or(|wanted| connection.0 == wanted)
             && wanted_tag
                 .as_deref()
-                .is_none_or(|wanted| Tag::parse(wanted) == Some(*tag))
+                .is_none_or(|wanted| Tag::parse(wanted) == Some(tag))
     }
 }
 
@@ -482,9 +482,12 @@ mod tests {
 
     fn texts(passed: Passed) -> Vec<Vec<u8>> {
         let events = passed.events.into_iter();
-        let bytes = |event| match event {
-            Event::Bytes { bytes, .. } => Some(bytes),
-            _ => None,
+        let bytes = |event| {
+            if let Event::Bytes { bytes, .. } = event {
+                Some(bytes)
+            } else {
+                None
+            }
         };
         events.filter_map(bytes).collect()
     }

@@ -32,6 +32,10 @@ impl std::fmt::Display for OperatingMode {
 
 /// Switches and keys; the power does not change them.
 #[derive(Clone, Copy, Debug, Default)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a switch or a lamp of its own"
+)]
 pub(crate) struct Operator {
     pub(crate) mode: OperatingMode,
     pub(crate) pendant: bool,

@@ -88,9 +88,10 @@ impl Machine {
 
 fn address(cell: u32, ty: &Type) -> Address {
     let at = Address::global(cell);
-    match ty {
-        Type::Text(TextLength::AtMost(length)) => at.with_extra(*length),
-        _ => at,
+    if let Type::Text(TextLength::AtMost(length)) = ty {
+        at.with_extra(*length)
+    } else {
+        at
     }
 }
 

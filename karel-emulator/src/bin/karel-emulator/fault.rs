@@ -1,5 +1,10 @@
 //! `karel-emulator fault`: break something on purpose.
 
+#![expect(
+    clippy::indexing_slicing,
+    reason = "a JSON value is null where it has no such key"
+)]
+
 use std::process::ExitCode;
 
 use clap::{Args, Subcommand, ValueEnum};
@@ -286,25 +291,22 @@ fn show(list: &Value) {
 
 /// A fault on one line.
 pub(crate) fn in_words(fault: &Value) -> String {
-    let what = match &fault["fault"] {
-        Value::String(name) => name.clone(),
-        other => other.to_string(),
-    };
-    let mut text = format!("{:>3}  {what}", word(&fault["id"]));
+    let mut parts = vec![format!("{:>3}", word(&fault["id"])), word(&fault["fault"])];
     let scope = &fault["scope"];
     for key in ["port", "tag", "connection"] {
         if !scope[key].is_null() {
-            text += &format!("  {key} {}", word(&scope[key]));
+            parts.push(format!("{key} {}", word(&scope[key])));
         }
     }
     if let Some(way @ ("in" | "out")) = scope["direction"].as_str() {
-        text += &format!("  {way}");
+        parts.push(way.to_owned());
     }
     if !fault["times_left"].is_null() {
-        text += &format!("  {} times left", word(&fault["times_left"]));
+        parts.push(format!("{} times left", word(&fault["times_left"])));
     }
     if let Some(until) = fault["until_s"].as_f64() {
-        text += &format!("  until {until:.3} s");
+        parts.push(format!("until {until:.3} s"));
     }
-    format!("{text}  struck {}", word(&fault["struck"]))
+    parts.push(format!("struck {}", word(&fault["struck"])));
+    parts.join("  ")
 }

@@ -1,5 +1,10 @@
 //! `karel-emulator state`, `get` and `set`: looking at a running controller and changing its values.
 
+#![expect(
+    clippy::indexing_slicing,
+    reason = "a JSON value is null where it has no such key"
+)]
+
 use std::process::ExitCode;
 
 use anyhow::bail;
@@ -85,7 +90,7 @@ pub(crate) struct Set {
     panel: Panel,
     /// As for `get`.
     item: String,
-    /// A number, true, false, ON, OFF, text, null, or {"x_mm": .., ..}.
+    /// A number, true, false, ON, OFF, text, null, or a position such as `{"joints_deg": [..]}`.
     #[arg(allow_hyphen_values = true, required_unless_present = "end_simulation")]
     value: Option<String>,
     /// Programs see this value, whatever the world puts on the input.
@@ -117,10 +122,8 @@ impl Set {
             }
             ItemKind::Register => self.panel.put(&path_of(item), &json!({"value": value}))?,
             ItemKind::Port => {
-                let number = match value {
-                    Value::Bool(on) => json!(i32::from(on)),
-                    other => other,
-                };
+                let switch = value.as_bool().map(|on| json!(i32::from(on)));
+                let number = switch.unwrap_or(value);
                 let end = if self.simulate { "/simulation" } else { "" };
                 self.panel
                     .put(&format!("{port}{end}"), &json!({"value": number}))?
@@ -141,9 +144,9 @@ fn path_of(item: &str) -> String {
 
 /// A JSON string as text for people.
 pub(crate) fn word(value: &Value) -> String {
-    match value {
-        Value::String(text) => clean(text),
-        Value::Null => String::new(),
-        other => other.to_string(),
+    match value.as_str() {
+        Some(text) => clean(text),
+        None if value.is_null() => String::new(),
+        None => value.to_string(),
     }
 }

@@ -1,5 +1,10 @@
 //! `karel-emulator time`: the time of a running controller.
 
+#![expect(
+    clippy::indexing_slicing,
+    reason = "a JSON value is null where it has no such key"
+)]
+
 use std::process::ExitCode;
 
 use clap::Subcommand;

@@ -1,5 +1,10 @@
 //! `karel-emulator trace`: the lines that programs execute.
 
+#![expect(
+    clippy::indexing_slicing,
+    reason = "a JSON value is null where it has no such key"
+)]
+
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;

@@ -1,5 +1,10 @@
 //! `karel-emulator watch`: the controller on a terminal, as it happens.
 
+#![expect(
+    clippy::indexing_slicing,
+    reason = "a JSON value is null where it has no such key"
+)]
+
 use std::fmt::Write as _;
 use std::io::IsTerminal as _;
 use std::process::ExitCode;
@@ -97,14 +102,14 @@ fn in_place(picture: &str, (columns, rows): (usize, usize)) -> String {
     let mut text = HOME.to_owned();
     for (index, line) in lines.iter().take(room).enumerate() {
         if index > 0 {
-            text.push_str("\r\n");
+            text.push('\n');
         }
         text.extend(line.chars().take(columns));
         text.push_str(LINE_REST);
     }
     if !fits {
-        let more = format!("\r\n.. {} more lines", lines.len() - room);
-        text.extend(more.chars().take(columns + 2));
+        let more = format!("\n.. {} more lines", lines.len() - room);
+        text.extend(more.chars().take(columns + 1));
         text.push_str(LINE_REST);
     }
     text.push_str(REST);
@@ -222,14 +227,14 @@ fn heading(text: &mut String, state: &Value) {
 }
 
 fn joints(text: &mut String, state: &Value) {
-    let degrees = |joint: &str| state["joints_deg"][joint].as_f64().unwrap_or(0.0);
+    let degrees = |joint: &str| unsigned_zero(state["joints_deg"][joint].as_f64());
     let all = ["j1", "j2", "j3", "j4", "j5", "j6"];
     let shown: Vec<String> = all
         .iter()
         .map(|joint| format!("{} {:>8.3}", joint.to_uppercase(), degrees(joint)))
         .collect();
     line(text, &format!("JOINTS  {} deg", shown.join("  ")));
-    let part = |key: &str| state["pose"][key].as_f64().unwrap_or(0.0);
+    let part = |key: &str| unsigned_zero(state["pose"][key].as_f64());
     line(
         text,
         &format!(
@@ -273,6 +278,12 @@ fn task_lines(text: &mut String, tasks: &Value) {
     }
 }
 
+/// What rounds to nothing has no sign.
+fn unsigned_zero(value: Option<f64>) -> f64 {
+    let value = value.unwrap_or(0.0);
+    if value.abs() < 0.000_5 { 0.0 } else { value }
+}
+
 fn list<'a>(value: &'a Value, key: &str) -> &'a [Value] {
     value[key].as_array().map_or(&[], Vec::as_slice)
 }
@@ -291,10 +302,10 @@ mod tests {
         let text = in_place("abcdef\nsecond\nthird\n", (3, 2));
         assert_eq!(
             text,
-            format!("{HOME}abc{LINE_REST}\r\n.. {LINE_REST}{REST}")
+            format!("{HOME}abc{LINE_REST}\n.. {LINE_REST}{REST}")
         );
         let text = in_place("a\nb\n", (10, 2));
-        assert_eq!(text, format!("{HOME}a{LINE_REST}\r\nb{LINE_REST}{REST}"));
+        assert_eq!(text, format!("{HOME}a{LINE_REST}\nb{LINE_REST}{REST}"));
     }
 
     #[test]

@@ -142,7 +142,7 @@ async fn set_variable(
     Shared(visitors): Shared<Visitors>,
     Body(SetVariable { path, value }): Body<SetVariable>,
 ) -> Result<Json<VariableItem>, Refusal> {
-    let set = |core: &mut Controller, path: &str| core.set_variable(path, value);
+    let set = move |core: &mut Controller, path: &str| core.set_variable(path, value.as_ref());
     variable(&visitors, path, set).await
 }
 

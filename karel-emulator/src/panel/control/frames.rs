@@ -132,7 +132,7 @@ async fn select_frame(
 
 async fn set(visitors: &Visitors, path: String, value: ValueBody) -> Result<Json<Frames>, Refusal> {
     let answer = visit(&visitors.commands, move |driver| {
-        driver.core.set_variable(&path, Some(value))?;
+        driver.core.set_variable(&path, Some(&value))?;
         frames(&mut driver.core)
     });
     Ok(Json(answer.await??))
