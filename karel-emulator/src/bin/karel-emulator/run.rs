@@ -58,6 +58,7 @@ pub(crate) struct Run {
         long,
         default_value_t = 300.0,
         value_name = "SECONDS",
+        allow_hyphen_values = true,
         requires = "until_idle"
     )]
     limit: f64,

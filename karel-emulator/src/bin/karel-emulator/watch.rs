@@ -300,10 +300,7 @@ mod tests {
     #[test]
     fn a_picture_is_cut_at_the_edges_of_the_terminal() {
         let text = in_place("abcdef\nsecond\nthird\n", (3, 2));
-        assert_eq!(
-            text,
-            format!("{HOME}abc{LINE_REST}\n.. {LINE_REST}{REST}")
-        );
+        assert_eq!(text, format!("{HOME}abc{LINE_REST}\n.. {LINE_REST}{REST}"));
         let text = in_place("a\nb\n", (10, 2));
         assert_eq!(text, format!("{HOME}a{LINE_REST}\nb{LINE_REST}{REST}"));
     }
