@@ -501,7 +501,7 @@ fn whatever_is_broken_in_whatever_order_can_be_mended() {
                 match effect {
                     Effect::Accept { .. } => accepting = true,
                     Effect::StopAccepting { .. } | Effect::StopListening { .. } => {
-                        accepting = false
+                        accepting = false;
                     }
                     Effect::Send { .. } | Effect::Close { .. } | Effect::Reset { .. } => {}
                 }

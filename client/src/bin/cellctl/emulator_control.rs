@@ -15,7 +15,7 @@ use crate::report::{Exit, Report};
 pub(crate) enum Control {
     /// List the tasks with their call stacks.
     Tasks,
-    /// Show a variable, a register or a port: [PROG]VAR, $NAME, R[n], PR[n], SR[n], F[n], DIN[n], DOUT[n], ..
+    /// Show a variable, a register or a port: `[PROG]VAR`, `$NAME`, `R[n]`, `PR[n]`, `SR[n]`, `F[n]`, `DIN[n]`, ..
     Get { item: String },
     /// Set a variable, a register or a port; the value is JSON, ON, OFF, or text.
     Set {
@@ -60,7 +60,7 @@ pub(crate) enum Control {
     },
     /// List the faults that were injected.
     Faults,
-    /// Inject a fault, as JSON: "freeze", or {"fault": {"delay": {"ms": 200}}, "scope": {"port": 59002}, "times": 3}.
+    /// Inject a fault, as JSON: `"freeze"`, or `{"fault": {"delay": {"ms": 200}}, "scope": {"port": 59002}, "times": 3}`.
     Fault { fault: String },
     /// Mend a fault, or all if none is named.
     ClearFault { id: Option<u64> },
