@@ -1,7 +1,22 @@
-use crate::http::{Effect, Http};
+use serde_json::Value;
+
+use crate::http::{Effect, Exchange, Http};
 use crate::{Alarm, ClientError, EmulatorState, LedgerEntry, Log, Timeouts};
 
-/// The panel of a virtual controller: what the controller itself knows. Cheap to clone.
+/// How something is changed through the control interface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Change {
+    /// Do it.
+    Post,
+    /// Set it.
+    Put,
+    /// Set parts of it.
+    Patch,
+    /// Take it away.
+    Delete,
+}
+
+/// The panel of a virtual controller: what the controller itself knows, and its control interface. Cheap to clone.
 #[derive(Clone, Debug)]
 pub struct EmulatorClient {
     http: Http,
@@ -51,4 +66,43 @@ impl EmulatorClient {
     pub async fn alarms(&self) -> Result<Log<Alarm>, ClientError> {
         self.http.get(&["alarms"], Effect::Question).json().await
     }
+
+    /// Asks the control interface; `path` is what follows `/api/v1`. The answers are in its OpenAPI document.
+    ///
+    /// # Errors
+    /// As all calls: see [`ClientError`].
+    pub async fn ask(&self, path: &[&str], query: &[(&str, &str)]) -> Result<Value, ClientError> {
+        let exchange = self.http.get(&control(path), Effect::Question);
+        exchange.query(query).json().await
+    }
+
+    /// Changes something through the control interface: programs, variables, I/O, keys, time, faults. The answer is
+    /// `null` where there is none.
+    ///
+    /// # Errors
+    /// As all calls; [`ClientError::Refused`] names item, value and limit, and nothing has changed then.
+    pub async fn change(
+        &self,
+        change: Change,
+        path: &[&str],
+        body: Option<&Value>,
+    ) -> Result<Value, ClientError> {
+        let path = control(path);
+        let effect = Effect::Command(self.http.timeouts.command);
+        let exchange: Exchange = match change {
+            Change::Post => self.http.post(&path, effect),
+            Change::Put => self.http.put(&path, effect),
+            Change::Patch => self.http.patch(&path, effect),
+            Change::Delete => self.http.delete(&path, effect),
+        };
+        let exchange = match body {
+            Some(body) => exchange.body(body),
+            None => exchange,
+        };
+        exchange.json_or_nothing().await
+    }
+}
+
+fn control<'a>(path: &[&'a str]) -> Vec<&'a str> {
+    [&["api", "v1"], path].concat()
 }

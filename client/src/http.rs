@@ -145,6 +145,10 @@ impl Http {
         self.exchange(Method::POST, path, effect)
     }
 
+    pub(crate) fn patch(&self, path: &[&str], effect: Effect) -> Exchange {
+        self.exchange(Method::PATCH, path, effect)
+    }
+
     pub(crate) fn put(&self, path: &[&str], effect: Effect) -> Exchange {
         self.exchange(Method::PUT, path, effect)
     }
@@ -276,6 +280,15 @@ impl Exchange {
         } else {
             answer.success()?.json()
         }
+    }
+
+    /// As [`Exchange::json`], where an empty answer is `null`.
+    pub(crate) async fn json_or_nothing(self) -> Result<serde_json::Value, ClientError> {
+        let answer = self.send().await?.success()?;
+        if answer.status() == StatusCode::NO_CONTENT {
+            return Ok(serde_json::Value::Null);
+        }
+        answer.json()
     }
 
     /// Sends the request and reads a text answer.

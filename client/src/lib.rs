@@ -63,7 +63,7 @@ mod setup;
 
 pub use answer::MAX_ANSWER_BYTES;
 pub use control::{Control, HeldControl};
-pub use emulator::EmulatorClient;
+pub use emulator::{Change, EmulatorClient};
 pub use error::ClientError;
 pub use events::{EventStream, Told};
 pub use http::Timeouts;

@@ -1,18 +1,25 @@
 //! Injected faults do what they say, where they say it, for as long as they say it.
 
-#![expect(clippy::unwrap_used, reason = "a helper that fails stops its test")]
+#![expect(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    clippy::too_many_lines,
+    reason = "a helper that fails stops its test, and what is drawn is small"
+)]
 
 mod common;
 
 use std::io::ErrorKind;
+use std::time::Duration;
 
 use common::{ACCEPTED, LINE, PORT, Stepped, call, config_of, read_to_end, sock_server, within};
 use karel::{Port, PortValue};
 use karel_emulator::controller::{PortSet, ValueBody};
+use karel_emulator::effects::{ConnectionId, Effect, Event, Tag};
 use karel_emulator::faults::{ControllerOption, Direction, Memory, Scope};
 use karel_emulator::ledger::PoseMmDeg;
 use karel_emulator::state::TaskWord;
-use karel_emulator::{FaultBody, FaultError, FaultKind};
+use karel_emulator::{Controller, FaultBody, FaultError, FaultKind};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 
@@ -396,7 +403,7 @@ async fn faults_are_bounded_and_what_is_wrong_is_named() {
     assert_eq!(one_more, Err(FaultError::TooMany));
     let cleared = cell
         .controller
-        .with(karel_emulator::Controller::clear_faults)
+        .with(Controller::clear_faults)
         .await
         .unwrap();
     assert_eq!((cleared, active(&cell).await), (64, 0));
@@ -422,4 +429,140 @@ async fn a_simulated_input_hides_the_world() {
     set(PortSet::EndSimulation).await.unwrap().unwrap();
     cell.advance(1.0).await;
     assert_eq!(cell.task_word().await, TaskWord::Ended);
+}
+
+/// Faults of every kind in any order, while clients come, send and go: nothing panics, nothing runs for ever, and when
+/// all is mended and switched off and on, the next client is served.
+#[test]
+fn whatever_is_broken_in_whatever_order_can_be_mended() {
+    for seed in 0..60_u64 {
+        let mut config = sock_server();
+        config.seed = seed;
+        let mut core = Controller::try_new(&config).unwrap();
+        let mut number = seed;
+        let mut draw = |below: u64| {
+            number = number
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (number >> 33) % below
+        };
+        let mut clients = 0;
+        let mut accepting = false;
+        for _ in 0..60 {
+            let for_ms = Some(draw(3_000) + 1).filter(|_| draw(2) == 0);
+            let kind = match draw(16) {
+                0 => FaultKind::Drop,
+                1 => FaultKind::Delay {
+                    ms: draw(900),
+                    jitter_ms: draw(300),
+                },
+                2 => FaultKind::Split {
+                    bytes: 1 + draw(9) as usize,
+                    gap_ms: draw(30),
+                },
+                3 => FaultKind::Truncate {
+                    keep: draw(30) as usize,
+                },
+                4 => FaultKind::Corrupt {
+                    bytes: 1 + draw(9) as usize,
+                },
+                5 => FaultKind::Stall,
+                6 => FaultKind::HalfOpen,
+                7 => FaultKind::Reset,
+                8 => FaultKind::Freeze,
+                9 => FaultKind::WedgeTag {
+                    tag: "S3".to_owned(),
+                },
+                10 => FaultKind::PowerLoss {
+                    memory: Memory::Lost,
+                    off_ms: draw(2_000),
+                },
+                11 => FaultKind::ServoOff,
+                12 => FaultKind::WrongToolFrame {
+                    tool: None,
+                    frame: PoseMmDeg::default(),
+                },
+                13 => FaultKind::OptionMissing {
+                    option: ControllerOption::R648,
+                },
+                14 => FaultKind::SlowOverride {
+                    percent: 1 + draw(100) as i32,
+                },
+                _ => {
+                    let _count = core.clear_faults();
+                    continue;
+                }
+            };
+            let mut body = FaultBody::new(kind);
+            body.for_ms = for_ms;
+            // Some cannot be, twice or with an end of their own: that is said and changes nothing.
+            let _refused = core.inject(body).is_err();
+            for effect in core.take_effects() {
+                match effect {
+                    Effect::Accept { .. } => accepting = true,
+                    Effect::StopAccepting { .. } | Effect::StopListening { .. } => {
+                        accepting = false;
+                    }
+                    Effect::Send { .. } | Effect::Close { .. } | Effect::Reset { .. } => {}
+                }
+            }
+            if accepting {
+                clients += 1;
+                accepting = false;
+                let connection = ConnectionId(clients);
+                let tag = Tag::try_new(3).unwrap();
+                let peer = ([127, 0, 0, 1], 40_000).into();
+                core.event(Event::Connected {
+                    tag,
+                    connection,
+                    peer,
+                });
+            }
+            if clients > 0 {
+                let connection = ConnectionId(clients);
+                core.event(match draw(4) {
+                    0 => Event::PeerClosed { connection },
+                    1 => Event::PeerLost { connection },
+                    _ => Event::Bytes {
+                        connection,
+                        bytes: LINE.to_vec(),
+                        request_id: None,
+                    },
+                });
+            }
+            let until = core.now() + Duration::from_millis(draw(700));
+            core.advance_fully(until);
+        }
+        let _count = core.clear_faults();
+        core.power_cycle(karel_emulator::CmosMemory::Lost);
+        core.reset();
+        let until = core.now() + Duration::from_secs(1);
+        core.advance_fully(until);
+        let effects = core.take_effects();
+        assert!(
+            effects
+                .iter()
+                .any(|effect| matches!(effect, Effect::Accept { .. })),
+            "seed {seed}: {effects:?}"
+        );
+        let (connection, tag) = (ConnectionId(clients + 1), Tag::try_new(3).unwrap());
+        let peer = ([127, 0, 0, 1], 40_000).into();
+        core.event(Event::Connected {
+            tag,
+            connection,
+            peer,
+        });
+        core.advance_fully(until);
+        core.event(Event::Bytes {
+            connection,
+            bytes: LINE.to_vec(),
+            request_id: None,
+        });
+        core.advance_fully(until);
+        let sent = core.take_effects().into_iter().any(
+            |effect| matches!(effect, Effect::Send { bytes, .. } if bytes == ACCEPTED.as_bytes()),
+        );
+        assert!(sent, "seed {seed}: the next client is served");
+        assert!(core.faults().is_empty());
+    }
 }

@@ -74,3 +74,101 @@ async fn a_connected_peer_may_still_start_a_motion() {
     );
     assert!(ran.stderr.contains("connected: 127.0.0.1:50000"), "{ran:?}");
 }
+
+#[tokio::test]
+async fn the_control_interface_is_asked_and_changed() {
+    let fake = Fake::start(|_| Answer::Json(json!({"value": 5}))).await;
+    for (arguments, line, body) in [
+        (
+            &["get", "[MAIN]N"][..],
+            "GET /api/v1/variable?path=%5BMAIN%5DN",
+            json!(null),
+        ),
+        (&["get", "R[3]"], "GET /api/v1/registers/R[3]", json!(null)),
+        (&["get", "DIN[2]"], "GET /api/v1/io/DIN[2]", json!(null)),
+        (
+            &["set", "$MCR.$GENOVERRIDE", "40"],
+            "PUT /api/v1/variable",
+            json!({"path": "$MCR.$GENOVERRIDE", "value": 40}),
+        ),
+        (
+            &["set", "SR[1]", "hello"],
+            "PUT /api/v1/registers/SR[1]",
+            json!({"value": "hello"}),
+        ),
+        (
+            &["set", "DOUT[1]", "ON"],
+            "PUT /api/v1/io/DOUT[1]",
+            json!({"value": 1}),
+        ),
+        (
+            &["emergency-stop", "on"],
+            "PATCH /api/v1/operator",
+            json!({"emergency_stop": true}),
+        ),
+        (
+            &["mode", "t1"],
+            "PATCH /api/v1/operator",
+            json!({"mode": "T1"}),
+        ),
+        (&["reset"], "POST /api/v1/reset", json!({})),
+        (
+            &["power-cycle", "--lose-memory"],
+            "POST /api/v1/power-cycle",
+            json!({"memory": "lost"}),
+        ),
+        (
+            &["time", "step", "250"],
+            "POST /api/v1/time/step",
+            json!({"ms": 250}),
+        ),
+        (
+            &["fault", "freeze"],
+            "POST /api/v1/faults",
+            json!({"fault": "freeze"}),
+        ),
+        (
+            &["clear-fault", "7"],
+            "DELETE /api/v1/faults/7",
+            json!(null),
+        ),
+        (&["tasks"], "GET /api/v1/tasks", json!(null)),
+    ] {
+        let ran = fake.cellctl(&[&["emulator"], arguments].concat()).await;
+        assert_eq!(ran.code, 0, "{ran:?}");
+        let seen = fake.seen().pop().unwrap();
+        assert_eq!(
+            (seen.line.as_str(), &seen.body),
+            (line, &body),
+            "{arguments:?}"
+        );
+        assert!(ran.stdout.contains("value 5"), "{ran:?}");
+    }
+}
+
+#[tokio::test]
+async fn what_the_controller_refuses_is_exit_code_one_and_nonsense_is_two() {
+    let body = r#"{"title":"Unprocessable Entity","status":422,"detail":"times is 0, it must be 1 to 1000000"}"#;
+    let fake = Fake::always(Answer::Raw {
+        status: 422,
+        media_type: "application/problem+json",
+        body: body.to_owned(),
+    })
+    .await;
+    let fault = r#"{"fault": "drop", "times": 0}"#;
+    let ran = fake.cellctl(&["emulator", "fault", fault]).await;
+    assert_eq!(ran.code, 1, "{ran:?}");
+    assert!(
+        ran.stderr.contains("times is 0, it must be 1 to 1000000"),
+        "{ran:?}"
+    );
+    for arguments in [
+        &["fault", "{"][..],
+        &["mode", "T3"],
+        &["time", "step"],
+        &["override", "101"],
+    ] {
+        let ran = fake.cellctl(&[&["emulator"], arguments].concat()).await;
+        assert_eq!(ran.code, 2, "{arguments:?}: {ran:?}");
+    }
+}

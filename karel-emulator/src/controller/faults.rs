@@ -91,6 +91,12 @@ impl Controller {
         active.map(view).collect()
     }
 
+    /// How many faults are active.
+    pub(super) fn fault_count(&self) -> usize {
+        let active = self.faults.active.iter();
+        active.filter(|fault| !self.wire.is_spent(fault.id)).count()
+    }
+
     /// Ends a fault, as if its time were over.
     ///
     /// # Errors

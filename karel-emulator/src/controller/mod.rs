@@ -15,16 +15,17 @@ mod power;
 mod programs;
 mod snapshot;
 mod steps;
+mod values;
 
-pub use data::{
-    DataError, IoView, ItemKind, JointsValue, PortSet, PoseValue, RegisterView, SYSTEM, ValueBody,
-    VariableItem, kind_of, value_of_text,
-};
+pub use data::{ItemKind, PortSet, SYSTEM, kind_of};
 pub use operate::{OperateError, Operation};
 pub use power::CmosMemory;
 pub use programs::{Lines, ProgramKind, ProgramView, TaskError, TaskSeen};
 pub(crate) use snapshot::task_in_words;
 pub use steps::{TRACE_LINES, TraceEntry, TraceError};
+pub use values::{
+    DataError, IoView, JointsValue, PoseValue, RegisterView, ValueBody, VariableItem, value_of_text,
+};
 
 use std::time::Duration;
 

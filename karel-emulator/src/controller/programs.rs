@@ -236,7 +236,7 @@ impl Controller {
     /// Whether nothing will ever happen here without something from outside.
     #[must_use]
     pub fn is_idle(&self) -> bool {
-        self.next_wake().is_none() && !self.faults.frozen
+        self.next_wake().is_none()
     }
 
     /// The task called a built-in that does not exist without an option: it ends.

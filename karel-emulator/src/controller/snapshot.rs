@@ -50,7 +50,7 @@ impl Controller {
             servo_power: !hardware.operator.servo_off,
             single_step: self.single_step,
             idle: self.is_idle(),
-            faults: self.faults().len(),
+            faults: self.fault_count(),
             gripper: hardware.gripper.as_ref().map(Gripper::view),
             override_percent: hardware.override_percent,
             motion_queue: hardware.executor.queued(),

@@ -3,14 +3,17 @@
 //! A fault has a kind, a scope, and an end: a number of times, a duration in controller time, or whenever it is
 //! cleared. Everything random in it comes from the seed of the configuration, so a run with faults can be repeated.
 
+mod dice;
+mod error;
 mod wire;
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use crate::effects::Tag;
-use crate::error::ControllerStopped;
 use crate::ledger::PoseMmDeg;
+
+pub use error::FaultError;
 
 pub(crate) use wire::{Passed, Wire};
 
@@ -369,100 +372,9 @@ pub struct FaultView {
     pub struck: u64,
 }
 
-/// Why a fault was not injected; nothing has changed.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum FaultError {
-    /// A number beyond its limits.
-    #[error("{item} is {value}, it must be {min} to {max}")]
-    Range {
-        /// The key.
-        item: &'static str,
-        /// What was given.
-        value: String,
-        /// The lowest.
-        min: u64,
-        /// The highest.
-        max: u64,
-    },
-    /// No server tag.
-    #[error("{item} is {value:?}, it must be S1 to S8")]
-    Tag {
-        /// The key.
-        item: &'static str,
-        /// What was given.
-        value: String,
-    },
-    /// `times` or `scope` with a fault of the controller.
-    #[error("{fault} is a fault of the controller, it takes neither scope nor times")]
-    NotForDevices {
-        /// The fault.
-        fault: &'static str,
-    },
-    /// `times` or `for_ms` with a fault that ends by itself.
-    #[error("{fault} ends by itself, it takes neither times nor for_ms")]
-    NoEnd {
-        /// The fault.
-        fault: &'static str,
-    },
-    /// `times` with a stall.
-    #[error("stall holds what comes, it takes for_ms and no times")]
-    NoTimes,
-    /// There are enough.
-    #[error("{MAX_FAULTS} faults are active, which is the limit")]
-    TooMany,
-    /// The same fault of the controller is active already.
-    #[error("{fault} is active already, as fault {id}")]
-    Active {
-        /// The fault.
-        fault: &'static str,
-        /// Its number.
-        id: u64,
-    },
-    /// A frame that cannot be.
-    #[error("the tool frame cannot be set: {reason}")]
-    Frame {
-        /// Why.
-        reason: String,
-    },
-    /// No fault of this number.
-    #[error("there is no active fault {id}")]
-    NoSuchFault {
-        /// The number.
-        id: u64,
-    },
-    /// The controller stopped.
-    #[error(transparent)]
-    Stopped(#[from] ControllerStopped),
-}
-
-/// Numbers that look random and are the same for the same seed (`SplitMix64`, Steele et al. 2014).
-#[derive(Clone, Debug)]
-pub(crate) struct Dice(u64);
-
-impl Dice {
-    pub(crate) fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    /// 0 to `last`, included. The bias of a remainder does not matter here.
-    pub(crate) fn up_to(&mut self, last: u64) -> u64 {
-        match last.checked_add(1) {
-            Some(count) => self.next() % count,
-            None => self.next(),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::dice::Dice;
     use super::*;
 
     #[test]

@@ -8,6 +8,7 @@ use client::{Alarm, EmulatorClient, EmulatorState, LedgerEntry, Log};
 use tokio::time::{Instant, MissedTickBehavior};
 
 use crate::context::Context;
+use crate::emulator_control::{self, Control};
 use crate::failure::Failure;
 use crate::numbers::finite;
 use crate::report::{Exit, Report};
@@ -16,7 +17,7 @@ use crate::text::{self, Table, word};
 /// How often the panel is asked whether the arm stands still.
 const POLL: Duration = Duration::from_millis(50);
 
-/// Look at a virtual controller: where the arm is, what it did, what it complained about.
+/// Look at a virtual controller, operate it, and break it on purpose.
 ///
 /// Example, wait up to 10 s until the arm is at rest, then show where:
 ///   cellctl emulator state --wait-still 10
@@ -42,6 +43,8 @@ enum EmulatorCommand {
     },
     /// List the alarms.
     Alarms,
+    #[command(flatten)]
+    Control(Control),
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
@@ -70,6 +73,9 @@ pub(crate) async fn run(args: EmulatorArgs, context: &Context) -> Result<Report,
         EmulatorCommand::Alarms => {
             let alarms = emulator.alarms().await?;
             Ok(context.report(Exit::Done, &alarms, alarms_text))
+        }
+        EmulatorCommand::Control(control) => {
+            emulator_control::run(&control, &emulator, context).await
         }
     }
 }

@@ -10,6 +10,7 @@ mod delta;
 mod describe;
 mod doubts;
 mod emulator;
+mod emulator_control;
 mod failure;
 mod fk;
 mod gantt;

@@ -40,7 +40,7 @@ impl State {
 pub(crate) struct Get {
     #[command(flatten)]
     panel: Panel,
-    /// [PROG]VAR.FIELD, $NAME, R[n], PR[n], SR[n], F[n], DIN[n], DOUT[n], ..; or [PROG] for all variables of a program.
+    /// `[PROG]VAR.FIELD`, `$NAME`, `R[n]`, `PR[n]`, `SR[n]`, `F[n]`, `DIN[n]`, `DOUT[n]`, ..; or `[PROG]` for all variables of a program.
     item: String,
     /// Print the JSON of the controller instead.
     #[arg(long)]

@@ -63,16 +63,17 @@ pub(crate) struct Run {
         long,
         default_value_t = 300.0,
         value_name = "SECONDS",
+        allow_hyphen_values = true,
         requires = "until_idle"
     )]
     limit: f64,
     /// What random faults are drawn from: the same seed and the same inputs give the same run.
     #[arg(long, default_value_t = 0, value_name = "NUMBER")]
     seed: u64,
-    /// Set this before the first statement runs, such as R[1]=5, DIN[3]=ON, [PROG]VAR=true; can be given several times.
+    /// Set this before the first statement runs, such as `R[1]=5`, `DIN[3]=ON`, `[PROG]VAR=true`; can be given several times.
     #[arg(long = "set", value_name = "ITEM=VALUE", value_parser = parse_preset)]
     presets: Vec<(String, String)>,
-    /// A fault from the start, as JSON: {"fault": {"delay": {"ms": 50}}, "times": 3}; can be given several times.
+    /// A fault from the start, as JSON: `{"fault": {"delay": {"ms": 50}}, "times": 3}`; can be given several times.
     #[arg(long = "fault", value_name = "JSON", value_parser = parse_fault)]
     faults: Vec<FaultBody>,
     /// An option that the controller was delivered without; can be given several times.
