@@ -503,7 +503,11 @@ fn whatever_is_broken_in_whatever_order_can_be_mended() {
                     Effect::StopAccepting { .. } | Effect::StopListening { .. } => {
                         accepting = false;
                     }
-                    Effect::Send { .. } | Effect::Close { .. } | Effect::Reset { .. } => {}
+                    Effect::Connect { .. }
+                    | Effect::Keep { .. }
+                    | Effect::Send { .. }
+                    | Effect::Close { .. }
+                    | Effect::Reset { .. } => {}
                 }
             }
             if accepting {
