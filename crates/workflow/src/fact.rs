@@ -147,6 +147,8 @@ pub enum Fact {
     SessionResent { session: Uuid },
     /// A part of the session has to be done again.
     SessionRewound { session: Uuid, to: Rewind },
+    /// A mobile robot that could not dock was told to give up and to drive out.
+    SessionBacksOut { session: Uuid },
     /// An integrator accepted the measured dock pose.
     MeasuredAccepted { session: Uuid },
     /// A mobile robot drives out.
@@ -164,6 +166,13 @@ pub enum Fact {
         signal: Box<Signal>,
         answer: SignalAnswer,
     },
+    /// Signals that will not come any more: if they do, they are not acted on.
+    SignalsLost {
+        mobile_robot: String,
+        boot: u64,
+        from: u64,
+        to: u64,
+    },
     /// A heartbeat arrived. Not kept.
     Beat { signal: Box<Signal> },
     /// A mobile robot drives with loads to a destination.
@@ -172,6 +181,11 @@ pub enum Fact {
         job: Uuid,
         order: Uuid,
         destination: String,
+        /// The hand-over session that it follows, and the update of its order.
+        #[serde(default)]
+        session: Option<Uuid>,
+        #[serde(default)]
+        update: u32,
     },
     /// That drive is over.
     TransportEnded { mobile_robot: String },

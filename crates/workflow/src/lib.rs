@@ -43,6 +43,7 @@ mod input;
 mod intervention;
 mod invariants;
 mod job;
+mod loads_in;
 mod permits;
 mod queue;
 mod react;
