@@ -116,7 +116,9 @@ impl Work<'_> {
 
     /// The statement itself withdrew the question; here it is an answer.
     fn answers_instead_of_withdrawing(&mut self, question: &Question) {
-        self.facts.retain(|f| !matches!(f, Fact::Withdrawn { intervention, .. } if *intervention == question.id));
+        self.facts.retain(
+            |f| !matches!(f, Fact::Withdrawn { intervention, .. } if *intervention == question.id),
+        );
         if let Some(open) = self.cell.book.interventions.get_mut(&question.id) {
             std::sync::Arc::make_mut(open).withdrawn = None;
         }

@@ -14,7 +14,7 @@ use crate::job::params::NewJob;
 use crate::job::{Compensation, Item, JobState, PlannedStep, StepState, Why};
 use crate::session::SessionState;
 use crate::setup::{PlaceRef, Setup};
-use crate::signal::{Message, Signal, SignalAnswer};
+use crate::signal::{InstantAction, Message, Signal, SignalAnswer};
 use crate::timers::TimerKey;
 
 /// How far a session is taken back, so that a part of it is done again.
@@ -41,6 +41,8 @@ pub enum Fact {
         job: Uuid,
         spec: Box<NewJob>,
         trigger: Option<String>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        origin: Option<String>,
         items: Vec<Item>,
     },
     /// A job got its arm and mobile robot.
@@ -189,6 +191,21 @@ pub enum Fact {
     },
     /// That drive is over.
     TransportEnded { mobile_robot: String },
+    /// A trigger was meant and started no job.
+    TriggerSkipped {
+        trigger: String,
+        mobile_robot: String,
+        boot: u64,
+        seq: u64,
+        text: String,
+    },
+    /// A human had something done by a mobile robot.
+    InstantActed {
+        mobile_robot: String,
+        action: InstantAction,
+        principal: String,
+        reason: Option<String>,
+    },
     /// A load that was not configured.
     LoadRegistered {
         load: String,

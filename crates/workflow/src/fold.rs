@@ -42,6 +42,7 @@ impl Cell {
                 job,
                 spec,
                 trigger,
+                origin,
                 items,
             } => {
                 self.book.created += 1;
@@ -50,6 +51,7 @@ impl Cell {
                     number: self.book.created,
                     spec: (**spec).clone(),
                     trigger: trigger.clone(),
+                    origin: origin.clone(),
                     state: JobState::Idle,
                     why: Why::Course,
                     text: String::new(),
@@ -331,6 +333,8 @@ impl Cell {
             Fact::TransportEnded { mobile_robot } => {
                 self.mobile_mut(mobile_robot, |m| m.transport = None);
             }
+            // They are records: what was told is a fact of its own.
+            Fact::TriggerSkipped { .. } | Fact::InstantActed { .. } => {}
             Fact::LoadRegistered {
                 load,
                 kind,

@@ -170,6 +170,27 @@ impl SignalAnswer {
     }
 }
 
+/// What a human may have a mobile robot do at once (VDA 5050: instant actions).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(tag = "action", rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum InstantAction {
+    /// Stand still.
+    StartPause,
+    /// Go on.
+    StopPause,
+    /// Give an order up.
+    CancelOrder {
+        /// Which; `None`: the one it reports.
+        order: Option<Uuid>,
+    },
+    /// Do again what failed.
+    Retry,
+    /// Give up what failed.
+    SkipRetry,
+    /// Say all that is so now.
+    StateRequest,
+}
+
 /// What the cell tells a mobile robot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "SCREAMING_SNAKE_CASE")]
@@ -203,6 +224,7 @@ pub enum Message {
     StopPause,
     Retry,
     SkipRetry,
+    StateRequest,
 }
 
 impl Message {

@@ -44,7 +44,8 @@ impl Work<'_> {
         if signal.resync && signal.kind != SignalKind::MrHeartbeat {
             return Err(Refusal::Invalid {
                 item: "resync".into(),
-                problem: "only MR_HEARTBEAT, which says all that is so now, may give numbers up".into(),
+                problem: "only MR_HEARTBEAT, which says all that is so now, may give numbers up"
+                    .into(),
             });
         }
         // Heartbeats are not kept, so after a restart of this process the next number is not known.
@@ -367,43 +368,6 @@ impl Work<'_> {
     fn is_of_transport(&self, signal: &Signal) -> bool {
         self.transport_of(&signal.mobile_robot)
             .is_some_and(|t| signal.state.order == Some(t.order))
-    }
-
-    /// A configured signal at a configured point starts a job.
-    fn trigger(&mut self, signal: &Signal) {
-        if self
-            .cell
-            .book
-            .open_session_of(&signal.mobile_robot)
-            .is_some()
-        {
-            return;
-        }
-        let Some(at) = &signal.state.at_point else {
-            return;
-        };
-        let setup = self.cell.setup.clone();
-        for trigger in setup
-            .triggers
-            .iter()
-            .filter(|t| t.signal == signal.kind && t.point == *at)
-        {
-            let waiting = self.cell.book.jobs.values().any(|j| {
-                !j.state.is_final()
-                    && j.trigger.as_deref() == Some(&trigger.id)
-                    && j.spec.mobile_robot.as_deref() == Some(&signal.mobile_robot)
-            });
-            let has_loads = trigger.job.workflow == crate::Workflow::PickupAndDelivery
-                || signal.state.loads.as_ref().is_none_or(|l| !l.is_empty());
-            if waiting || !has_loads {
-                continue;
-            }
-            let mut spec = trigger.job.clone();
-            spec.point.clone_from(&trigger.point);
-            spec.mobile_robot = Some(signal.mobile_robot.clone());
-            // A trigger that does not fit now starts nothing; the signal itself was fine.
-            let _created: Result<Uuid, Refusal> = self.create(spec, Some(trigger.id.clone()));
-        }
     }
 }
 

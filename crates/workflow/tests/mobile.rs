@@ -12,10 +12,10 @@ mod world;
 
 use uuid::Uuid;
 use workflow::{
-    Answer, Detail, Fact, Fault, Input, JobState, Location, Message, Refusal, Reply, SessionState,
-    Signal, SignalAnswer, SignalKind, SlotLoad,
+    Answer, Detail, Fact, Fault, Input, InstantAction, JobState, Location, Message, Refusal, Reply,
+    SessionState, Signal, SignalAnswer, SignalKind, SlotLoad,
 };
-use world::{World, delivery, pickup};
+use world::{World, delivery, operator, pickup};
 
 fn m1(w: &mut World) -> &mut world::MobileTruth {
     w.mobiles.get_mut("m1").unwrap()
@@ -285,9 +285,10 @@ fn f20_a_transport_that_is_refused_is_asked_about_at_once() {
             .filter_map(|fact| match fact {
                 Fact::Told {
                     session,
-                    message: Message::TransportOrder {
-                        order: o, update, ..
-                    },
+                    message:
+                        Message::TransportOrder {
+                            order: o, update, ..
+                        },
                     ..
                 } if *o == order => Some((*session, *update)),
                 _ => None,
@@ -298,7 +299,11 @@ fn f20_a_transport_that_is_refused_is_asked_about_at_once() {
     let session = before.last().unwrap().0;
     assert!(session.is_some());
     assert!(w.run(120_000, |w| resent(w).len() > before.len()));
-    assert_eq!(resent(&w).last(), before.last(), "the same order, by its session");
+    assert_eq!(
+        resent(&w).last(),
+        before.last(),
+        "the same order, by its session"
+    );
     // It refuses: its session is closed, and still it is the answer.
     let m = m1(&mut w);
     m.seq += 1;
@@ -309,7 +314,11 @@ fn f20_a_transport_that_is_refused_is_asked_about_at_once() {
     assert_eq!(say(&mut w, refused), TAKEN);
     let question = w.open_question().expect("a question").question;
     assert_eq!(question.fault, Fault::TransportFailed);
-    assert!(question.question.contains("refused"), "{}", question.question);
+    assert!(
+        question.question.contains("refused"),
+        "{}",
+        question.question
+    );
     assert_eq!(question.job, Some(job));
 }
 
@@ -363,7 +372,11 @@ fn f03_a_mobile_robot_that_gave_up_in_the_zone_may_leave_it() {
     let job = until_dock_question(&mut w);
     let _reply = w.answer(Answer::Cancel, Detail::None).unwrap();
     assert!(w.run(120_000, |w| w.state(job) == JobState::Stopped));
-    assert!(w.run(60_000, |w| w.cell.claims().is_empty()), "{}", w.story());
+    assert!(
+        w.run(60_000, |w| w.cell.claims().is_empty()),
+        "{}",
+        w.story()
+    );
     let got = &m1(&mut w).got;
     let canceled = got
         .iter()
@@ -392,4 +405,205 @@ fn a3_an_order_waits_until_the_one_before_is_over() {
     assert!(m1(&mut w).got.is_empty(), "{:?}", m1(&mut w).got);
     m1(&mut w).state.order = None;
     w.complete(job);
+}
+
+fn triggered(change: impl FnOnce(&mut workflow::Trigger)) -> World {
+    let mut setup = world::setup();
+    let mut job = delivery();
+    job.mobile_robot = None;
+    let mut trigger = workflow::Trigger {
+        id: "unload".into(),
+        enabled: true,
+        signal: SignalKind::MrArrived,
+        mobile_robot: None,
+        points: vec![world::POINT.into()],
+        deadline_ms: Some(600_000),
+        job,
+    };
+    change(&mut trigger);
+    setup.triggers.push(trigger);
+    World::with(setup, 1, world::Odds::default())
+}
+
+/// It comes by itself: the number of the signal, or `None` if it could not be sent.
+fn arrives(w: &mut World) -> Signal {
+    let m = m1(w);
+    m.state.at_point = Some(world::POINT.into());
+    w.say("m1", SignalKind::MrArrived);
+    let m = m1(w);
+    m.state.at_point = None;
+    m.sending.back().unwrap().clone()
+}
+
+fn skipped(w: &World) -> Vec<String> {
+    let skipped = w.journal.iter().filter_map(|fact| match fact {
+        Fact::TriggerSkipped { text, .. } => Some(text.clone()),
+        _ => None,
+    });
+    skipped.collect()
+}
+
+/// P1: one job for one signal, whenever the process dies and however often the signal is sent.
+#[test]
+fn a_mobile_robot_that_comes_by_itself_starts_one_job() {
+    let mut w = triggered(|_| {});
+    let signal = arrives(&mut w);
+    assert!(w.run(2_000, |w| !w.cell.jobs(w.now).is_empty()));
+    for _again in 0..3 {
+        let answer = say(&mut w, signal.clone());
+        assert_eq!(answer, SignalAnswer::Accepted { duplicate: true });
+        w.crash();
+    }
+    let jobs = w.cell.jobs(w.now);
+    assert_eq!(jobs.len(), 1);
+    assert_eq!(jobs[0].trigger.as_deref(), Some("unload"));
+    // It says so once more while that job is open, without an order yet: nothing is started.
+    let again = jobs[0].id;
+    w.complete(again);
+    assert_eq!(w.cell.jobs(w.now).len(), 1);
+    // The record has where it came from.
+    let origin = w.journal.iter().find_map(|fact| match fact {
+        Fact::JobCreated { origin, .. } => origin.clone(),
+        _ => None,
+    });
+    let wanted = format!("m1/{}/{}", signal.boot, signal.seq);
+    assert_eq!(origin, Some(wanted));
+}
+
+/// P1: it dies right after the record that has both, before anything of it was carried out or answered.
+#[test]
+fn p1_a_crash_right_after_the_record_starts_no_second_job() {
+    let mut w = triggered(|_| {});
+    let _signal = arrives(&mut w);
+    let next: Vec<_> = (1..200).map(|n| w.records + n).collect();
+    w.crash_at = next;
+    assert!(w.run(5_000, |w| !w.cell.jobs(w.now).is_empty()));
+    w.crash_at.clear();
+    assert!(w.crashes > 0);
+    let job = w.cell.jobs(w.now)[0].id;
+    w.complete(job);
+    assert_eq!(w.cell.jobs(w.now).len(), 1);
+}
+
+/// While its job is open, or while it carries nothing, a signal starts nothing, and the record says why.
+#[test]
+fn a_trigger_does_not_bounce() {
+    let mut w = triggered(|t| t.deadline_ms = None);
+    w.may_act = false;
+    w.crash();
+    let _first = arrives(&mut w);
+    assert!(w.run(2_000, |w| !w.cell.jobs(w.now).is_empty()));
+    let _second = arrives(&mut w);
+    assert!(w.run(5_000, |w| !skipped(w).is_empty()));
+    assert!(skipped(&w)[0].contains("is not over"), "{:?}", skipped(&w));
+    assert_eq!(w.cell.jobs(w.now).len(), 1);
+    let mut w = triggered(|_| {});
+    w.loads.retain(|load, _| load.starts_with('P'));
+    let _empty = arrives(&mut w);
+    assert!(w.run(5_000, |w| !skipped(w).is_empty()));
+    assert!(skipped(&w)[0].contains("carries nothing"));
+    assert!(w.cell.jobs(w.now).is_empty());
+}
+
+/// What is not meant starts nothing.
+#[test]
+fn a_trigger_fires_only_where_it_is_meant() {
+    let cases: [fn(&mut workflow::Trigger); 4] = [
+        |t| t.enabled = false,
+        |t| t.signal = SignalKind::MrReady,
+        |t| t.mobile_robot = Some("m2".into()),
+        |t| t.points = vec!["station/2".into()],
+    ];
+    for change in cases {
+        let mut w = triggered(change);
+        let _signal = arrives(&mut w);
+        assert!(w.run(2_000, |w| w.mobiles["m1"].sending.is_empty()));
+        assert!(w.cell.jobs(w.now).is_empty());
+        assert!(skipped(&w).is_empty());
+    }
+    // Anywhere will do where no point is named.
+    let mut w = triggered(|t| t.points.clear());
+    let _signal = arrives(&mut w);
+    assert!(w.run(2_000, |w| !w.cell.jobs(w.now).is_empty()));
+    // With an order of the cell it is expected, and no news.
+    let mut w = triggered(|t| t.points.clear());
+    let job = w.create(delivery());
+    w.complete(job);
+    assert_eq!(w.cell.jobs(w.now).len(), 1);
+}
+
+fn instant(w: &mut World, action: InstantAction) -> Result<Reply, Refusal> {
+    w.input(Input::InstantAction {
+        mobile_robot: "m1".into(),
+        action,
+        principal: operator(),
+        reason: None,
+    })
+}
+
+/// What a job has begun, the job ends.
+#[test]
+fn an_instant_action_does_not_interfere_with_a_job() {
+    let mut w = World::new();
+    let told = |w: &World| w.mobiles["m1"].got.last().cloned();
+    let _reply = instant(&mut w, InstantAction::StateRequest).unwrap();
+    assert_eq!(told(&w), Some(Message::StateRequest));
+    let viewer = w.input(Input::InstantAction {
+        mobile_robot: "m1".into(),
+        action: InstantAction::StartPause,
+        principal: workflow::Principal {
+            name: "vic".into(),
+            role: workflow::Role::Viewer,
+        },
+        reason: None,
+    });
+    assert!(matches!(viewer, Err(Refusal::Forbidden { .. })));
+    let none = instant(&mut w, InstantAction::CancelOrder { order: None });
+    assert!(matches!(none, Err(Refusal::Conflict { text, .. }) if text.contains("no order")));
+    let foreign = Uuid::from_u128(4711);
+    let cancel = InstantAction::CancelOrder {
+        order: Some(foreign),
+    };
+    let _reply = instant(&mut w, cancel).unwrap();
+    assert_eq!(told(&w), Some(Message::CancelOrder { order: foreign }));
+    let job = w.create(delivery());
+    assert!(w.run(60_000, |w| w.arm_inside(&w.arms["r1"])));
+    for action in [
+        InstantAction::CancelOrder { order: None },
+        InstantAction::Retry,
+        InstantAction::SkipRetry,
+    ] {
+        let refused = instant(&mut w, action);
+        assert!(
+            matches!(&refused, Err(Refusal::Conflict { text, .. }) if text.contains("stop")),
+            "{refused:?}"
+        );
+    }
+    let _reply = instant(&mut w, InstantAction::StartPause).unwrap();
+    let refused = instant(&mut w, InstantAction::StopPause);
+    assert!(
+        matches!(refused, Err(Refusal::Interlock { .. })),
+        "{refused:?}"
+    );
+    assert!(w.run(60_000, |w| !w.arm_inside(&w.arms["r1"])));
+    assert!(w.run(60_000, |w| instant_ends(w)));
+    let _reply = instant(&mut w, InstantAction::StopPause).unwrap();
+    w.complete(job);
+    let acted = w
+        .journal
+        .iter()
+        .filter(|f| matches!(f, Fact::InstantActed { .. }));
+    assert_eq!(
+        acted.count(),
+        4,
+        "each in the record, and none that was refused"
+    );
+}
+
+/// The arm is out, by its own word.
+fn instant_ends(w: &World) -> bool {
+    w.cell
+        .sessions(0)
+        .iter()
+        .all(|s| s.state == SessionState::ExitGranted)
 }

@@ -828,7 +828,10 @@ impl World {
                 m.plan.clear();
                 m.plan.push_back((now + 300, Do::Leave));
             }
-            Message::CellReady | Message::TransferDone | Message::TransferFailed { .. } => {}
+            Message::CellReady
+            | Message::TransferDone
+            | Message::TransferFailed { .. }
+            | Message::StateRequest => {}
         }
     }
 
