@@ -206,7 +206,7 @@ impl Work<'_> {
                     .is_some_and(|j| j.items.iter().any(|i| i.load.as_deref() == Some(load)))
         });
         let moving = self.cell.book.jobs.values().any(|j| {
-            !(matches!(now, Location::Unknown { .. }) && self.cell.is_in_transport(j))
+            !(matches!(now, Location::Unknown { .. }) && crate::cell::Cell::is_in_transport(j))
                 && j.items.iter().any(|i| i.load.as_deref() == Some(load))
                 && (j.state.runs() && j.compensation != crate::Compensation::Blocked
                     || j.state.is_acting() && j.state != JobState::Stopping)

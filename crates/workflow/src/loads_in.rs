@@ -36,7 +36,7 @@ impl Cell {
     }
 
     /// The job's loads are on their way to a destination: no arm of the cell has anything to do with them.
-    pub(crate) fn is_in_transport(&self, job: &Job) -> bool {
+    pub(crate) fn is_in_transport(job: &Job) -> bool {
         job.find(Phase::Transport)
             .and_then(|step| job.step(step))
             .is_some_and(|step| step.state == StepState::Running)
@@ -91,20 +91,20 @@ impl Work<'_> {
                         mobile_robot: id.clone(),
                     },
                 }),
-                None => self.load_gone(signal, load, &slot),
+                None => self.load_gone(signal, &load, &slot),
             }
         }
     }
 
     /// F10 without an arm: it was on the mobile robot, and is not any more.
-    fn load_gone(&mut self, signal: &Signal, load: String, slot: &str) {
+    fn load_gone(&mut self, signal: &Signal, load: &str, slot: &str) {
         let id = &signal.mobile_robot;
         let text = format!("{id} reports that load {load} is not in its slot {slot} any more");
         if let Some(job) = self.transport_of(id).map(|t| t.job) {
             self.note(job, Fault::PartLost, text.clone());
         }
         self.emit(Fact::CustodyMoved {
-            load: load.clone(),
+            load: load.to_owned(),
             to: Location::Unknown { arm: None },
             by: Evidence::Doubt { text: text.clone() },
         });
@@ -114,7 +114,7 @@ impl Work<'_> {
             (None, None) => format!("{id} has no order and is at no point"),
         };
         self.ask(Ask {
-            load: Some(load.clone()),
+            load: Some(load.to_owned()),
             fault: Fault::PartLost,
             question: format!("{text}, and no order says so. Where is load {load}?"),
             known: vec![known],
