@@ -31,12 +31,15 @@ async fn a_delivery_is_told_step_by_step() {
     assert_eq!(scene.count(SignalName::MrReady), 0);
     scene.permit(false);
     let ready = scene.until(SignalName::MrReady).await;
-    assert_eq!(ready.data.loads[0].load.as_deref(), Some("box-1"));
+    assert_eq!(
+        ready.data.loads.as_ref().unwrap()[0].load.as_deref(),
+        Some("box-1")
+    );
 
     scene.tell(MobileMessage::CellReady);
     assert_eq!(scene.robot.take("a").await.unwrap(), "box-1");
     let changed = scene.until(SignalName::LoadChanged).await;
-    assert_eq!(changed.data.loads[0].load, None);
+    assert_eq!(changed.data.loads.as_ref().unwrap()[0].load, None);
     scene.tell(MobileMessage::TransferDone);
 
     // It leaves with both words, not with one.
@@ -88,7 +91,10 @@ async fn a_pickup_goes_on_to_its_destination() {
     assert_eq!(delivered.session, None);
     assert_eq!(delivered.data.at_point.as_deref(), Some("dispatch/d1"));
     assert_eq!(delivered.data.order, Some(order().order));
-    assert_eq!(delivered.data.loads[1].load.as_deref(), Some("box-2"));
+    assert_eq!(
+        delivered.data.loads.as_ref().unwrap()[1].load.as_deref(),
+        Some("box-2")
+    );
     assert!((delivered.data.pose.x_mm + 2000.0).abs() < 6.0);
     assert_eq!(scene.violations().await, []);
 }

@@ -68,10 +68,11 @@ pub use load::{
     CustodyBody, CustodyEvent, CustodyEvidence, Load, LoadDetail, LoadList, LoadLocation,
 };
 pub use mobile::{
-    DockToleranceBody, FloorAreaBody, FloorPoseBody, MAX_MOBILE_ID, MAX_OUTBOX_WAIT_S,
-    MAX_SIGNAL_ITEMS, MobileErrorBody, MobileErrorLevel, MobileMessage, MobileRobotState,
-    MobileRobotSummary, OperatingMode, Outbox, OutboxMessage, OutboxQuery, RoutePointBody,
-    SignalAnswer, SignalBody, SignalData, SignalName, SlotLoadBody, TransportOrderBody,
+    DockToleranceBody, FloorAreaBody, FloorPoseBody, InstantActionAnswer, InstantActionBody,
+    InstantActionName, MAX_MOBILE_ID, MAX_OUTBOX_WAIT_S, MAX_SIGNAL_ITEMS, MobileErrorBody,
+    MobileErrorLevel, MobileMessage, MobileRobotState, MobileRobotSummary, OperatingMode, Outbox,
+    OutboxMessage, OutboxQuery, RoutePointBody, SignalAnswer, SignalBody, SignalData, SignalName,
+    SlotLoadBody, TransportOrderBody,
 };
 pub use motion::{
     Completion, DecisionBody, DoubtAnswer, Evidence, ExpectBody, Motion, MotionBody, MotionList,

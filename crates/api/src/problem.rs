@@ -277,6 +277,8 @@ problem_codes! {
     AnswerNotPossible, "answer-not-possible", 409, "The answer is not possible now";
     /// Another load is there, or a job works with the load.
     CustodyConflict, "custody-conflict", 409, "The load cannot be booked there";
+    /// It could bring an arm and a mobile robot together.
+    InterlockViolation, "interlock-violation", 409, "An interlock does not allow it";
 }
 
 // By hand: the derived schema does not see a name that a macro gives, and would list the variants.

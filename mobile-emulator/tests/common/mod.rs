@@ -303,6 +303,7 @@ pub(crate) fn order() -> TransportOrderBody {
         then_to: None,
         then_pose: None,
         then_route: Vec::new(),
+        unload: None,
     }
 }
 

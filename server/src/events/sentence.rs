@@ -268,6 +268,10 @@ fn of_robot(known: &Known, fact: &Fact) -> Option<Said> {
                 SignalAnswer::Conflict { expected, got, .. } => {
                     format!(", not acted on: expected {expected}, got {got}")
                 }
+                SignalAnswer::Gap { expected, .. } => {
+                    format!(", not taken: number {expected} is missing")
+                }
+                SignalAnswer::Late { .. } => ", too late: it was given up as lost".to_owned(),
                 SignalAnswer::Closed { .. } => ", too late: its hand-over is over".to_owned(),
             };
             (
@@ -281,6 +285,43 @@ fn of_robot(known: &Known, fact: &Fact) -> Option<Said> {
                 ),
             )
         }
+        Fact::SignalsLost {
+            mobile_robot,
+            from,
+            to,
+            ..
+        } => (
+            "robocell.mobile-robot.signals-lost",
+            mobile_robot,
+            None,
+            format!("the signals {from} to {to} of {mobile_robot} are lost"),
+        ),
+        Fact::TriggerSkipped {
+            trigger,
+            mobile_robot,
+            text,
+            ..
+        } => (
+            "robocell.mobile-robot.trigger-skipped",
+            mobile_robot,
+            None,
+            format!("trigger {trigger} starts no job for {mobile_robot}: {text}"),
+        ),
+        Fact::InstantActed {
+            mobile_robot,
+            action,
+            principal,
+            reason,
+        } => (
+            "robocell.mobile-robot.instant-action",
+            mobile_robot,
+            None,
+            format!(
+                "{principal} has {mobile_robot} told: {}{}",
+                instant_in_words(*action),
+                because(reason.as_deref().unwrap_or_default())
+            ),
+        ),
         Fact::TransportBegun {
             mobile_robot,
             job,
@@ -424,6 +465,19 @@ fn message_in_words(message: &Message) -> String {
         Message::StopPause => "STOP_PAUSE".to_owned(),
         Message::Retry => "RETRY".to_owned(),
         Message::SkipRetry => "SKIP_RETRY".to_owned(),
+        Message::StateRequest => "STATE_REQUEST".to_owned(),
+    }
+}
+
+fn instant_in_words(action: workflow::InstantAction) -> &'static str {
+    use workflow::InstantAction as Action;
+    match action {
+        Action::StartPause => "START_PAUSE",
+        Action::StopPause => "STOP_PAUSE",
+        Action::CancelOrder { .. } => "CANCEL_ORDER",
+        Action::Retry => "RETRY",
+        Action::SkipRetry => "SKIP_RETRY",
+        Action::StateRequest => "STATE_REQUEST",
     }
 }
 

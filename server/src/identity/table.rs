@@ -66,6 +66,7 @@ const TABLE: &[(&str, &str, Access)] = &[
     (GET, "/api/v1/cells/{cell}/mobile-robots/{mobile_robot}/state", Access::Viewer),
     (POST, "/api/v1/cells/{cell}/mobile-robots/{mobile_robot}/signals", Access::MobileRobot),
     (GET, "/api/v1/cells/{cell}/mobile-robots/{mobile_robot}/outbox", Access::MobileRobot),
+    (POST, "/api/v1/cells/{cell}/mobile-robots/{mobile_robot}/instant-actions", Access::Operator),
     // Jobs, and what they work with.
     (GET, "/api/v1/cells/{cell}/state", Access::Viewer),
     (GET, "/api/v1/cells/{cell}/jobs", Access::Viewer),

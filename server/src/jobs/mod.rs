@@ -13,7 +13,7 @@ mod story;
 mod tests;
 mod words;
 
-pub(crate) use body::{command, location, new_job, principal, reason};
+pub(crate) use body::{command, job_of_parts, location, new_job, principal, reason};
 pub(crate) use events::events;
 pub(crate) use questions::{answer, intervention};
 pub(crate) use refused::{problem, told};

@@ -78,6 +78,7 @@ pub(crate) fn documented() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(mobile_robots::get_mobile_robot_state))
         .routes(routes!(mobile_robots::post_signal))
         .routes(routes!(mobile_robots::get_outbox))
+        .routes(routes!(mobile_robots::post_instant_action))
         .routes(routes!(interventions::list_interventions))
         .routes(routes!(interventions::get_intervention))
         .routes(routes!(interventions::respond))

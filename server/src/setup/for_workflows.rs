@@ -59,7 +59,7 @@ impl Setup {
                 .iter()
                 .map(|destination| destination.point.clone())
                 .collect(),
-            triggers: Vec::new(),
+            triggers: self.triggers.clone(),
             timers: self.timers_for(),
         }
     }

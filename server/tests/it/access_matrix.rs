@@ -83,8 +83,12 @@ DELETE /api/v1/cells/{cell}/setup/routes/{route}                    I
 GET    /api/v1/cells/{cell}/setup/loads/{load}                      VOIA
 PUT    /api/v1/cells/{cell}/setup/loads/{load}                      I
 DELETE /api/v1/cells/{cell}/setup/loads/{load}                      I
+GET    /api/v1/cells/{cell}/setup/triggers/{trigger}                VOIA
+PUT    /api/v1/cells/{cell}/setup/triggers/{trigger}                I
+DELETE /api/v1/cells/{cell}/setup/triggers/{trigger}                I
 POST   /api/v1/cells/{cell}/mobile-robots/{mobile_robot}/signals     OI
 GET    /api/v1/cells/{cell}/mobile-robots/{mobile_robot}/outbox      OI
+POST   /api/v1/cells/{cell}/mobile-robots/{mobile_robot}/instant-actions OI
 GET    /api/v1/cells/{cell}/state                                   VOIA
 GET    /api/v1/cells/{cell}/jobs                                    VOIA
 POST   /api/v1/cells/{cell}/jobs                                    OI

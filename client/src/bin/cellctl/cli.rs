@@ -7,7 +7,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::{
     cell, control, delta, doubts, emulator, fk, home, ik, interventions, job, journal, loads,
-    motions, move_to, speed_override, stop, teach, tokens, watch,
+    mobile_robot, motions, move_to, speed_override, stop, teach, tokens, watch,
 };
 
 /// Drive a robot cell: move, look, calculate.
@@ -107,6 +107,7 @@ pub(crate) enum Command {
     Doubts(doubts::DoubtsArgs),
     Job(job::JobArgs),
     Loads(loads::LoadsArgs),
+    MobileRobot(mobile_robot::MobileRobotArgs),
     /// List the hand-over sessions: states, permits, what is waited for.
     Sessions,
     Interventions(interventions::InterventionsArgs),

@@ -20,6 +20,7 @@ mod job;
 mod journal;
 mod loads;
 mod login;
+mod mobile_robot;
 mod motions;
 mod move_to;
 mod numbers;
@@ -83,6 +84,7 @@ async fn run(cli: Cli) -> Result<Report, Failure> {
         Command::Doubts(args) => doubts::run(args, &context).await,
         Command::Job(args) => job::run(args, &context).await,
         Command::Loads(args) => loads::run(args, &context).await,
+        Command::MobileRobot(args) => mobile_robot::run(args, &context).await,
         Command::Sessions => loads::sessions(&context).await,
         Command::Interventions(args) => interventions::run(args, &context).await,
         Command::Watch(args) => watch::run(args, &context).await,

@@ -399,6 +399,8 @@ impl Work<'_> {
         let done = |work: &mut Self| work.step_to(job, step, StepState::Succeeded, "");
         match found.plan.phase {
             Phase::Call => match session {
+                // It would refuse: it is still on its way out with the order before. The timer ends this wait.
+                Some(s) if s.order.is_none() && self.works_on_another(&s) => {}
                 Some(s) if s.order.is_none() => self.send_order(&s),
                 Some(s) if s.assigned => done(self),
                 Some(_) | None => {}
