@@ -26,6 +26,8 @@ mod order;
 mod plan;
 mod readiness;
 mod report;
+mod seed_judge;
+mod seed_wire;
 mod status_task;
 mod stream;
 #[cfg(test)]
@@ -35,8 +37,8 @@ mod view;
 pub(crate) use error::LinkError;
 pub(crate) use handle::{CellServerLink, spawn};
 pub(crate) use judge::Open;
-pub(crate) use order::{MotionEnd, MotionObserver, MotionOrder};
+pub(crate) use order::{Instruction, MotionEnd, MotionObserver, MotionOrder};
 pub(crate) use plan::CellServerPlan;
-pub(crate) use view::ControllerView;
+pub(crate) use view::{ControllerView, Phase};
 #[cfg(test)]
-pub(crate) use {order::Rejection, readiness::NotReady, view::Phase};
+pub(crate) use {order::Rejection, readiness::NotReady};

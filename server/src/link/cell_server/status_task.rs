@@ -384,6 +384,7 @@ impl<C: Connector> StatusTask<C> {
         let observed = Observed {
             line: *status,
             at: Instant::now(),
+            asked_at: sent.at,
             count: self.lines,
         };
         let epoch = self.epoch();

@@ -173,7 +173,7 @@ impl Harness {
             motion,
             wire_epoch,
             seq,
-            command,
+            command: command.into(),
             not_after: Instant::now() + within,
             request_id: RequestId::of(&HeaderMap::new(), || Timestamp::UNIX_EPOCH),
         };
