@@ -10,8 +10,8 @@ use std::net::SocketAddr;
 use std::time::Duration;
 
 use api::{
-    LinkState, Motion, MotionBody, MotionState, MotionType, PoseBody, PoseSource,
-    ProblemCode, RelativeTo, StopBody, StopEffect, TargetBody, Tier,
+    LinkState, Motion, MotionBody, MotionState, MotionType, PoseBody, PoseSource, ProblemCode,
+    RelativeTo, StopBody, StopEffect, TargetBody, Tier,
 };
 use client::{Ask, ClientError, Robot};
 use karel_emulator::cell_server::{COMMAND_PORT, STATUS_PORT};

@@ -23,7 +23,7 @@ use super::{Asked, Door, End, Entered, Entry, KeyGuard, Motions, Permit, Progres
 use crate::authority;
 use crate::config::RobotPlan;
 use crate::link::cell_server::{
-    CellServerLink, Instruction, MotionEnd, MotionObserver, MotionOrder, Open,
+    CellServerLink, Instruction, MotionEnd, MotionObserver, MotionOrder, NotReady, Open,
 };
 use crate::problem::Problem;
 use crate::request_id::RequestId;
@@ -160,6 +160,10 @@ fn ready(link: &CellServerLink, motions: &Motions) -> Result<u32, Problem> {
     match (view.wire_epoch, view.not_ready) {
         (Some(epoch), None) if view.is_connected() => Ok(epoch),
         (Some(_), Some(reason)) if view.is_connected() => Err(Problem::not_sent(
+            ProblemCode::ControllerNotReady,
+            reason.to_string(),
+        )),
+        (_, Some(reason @ NotReady::OtherController { .. })) => Err(Problem::not_sent(
             ProblemCode::ControllerNotReady,
             reason.to_string(),
         )),

@@ -132,7 +132,8 @@ impl<C: Connector, O: MotionObserver> CommandTask<C, O> {
         }
         let view = self.shared.view.borrow();
         let (Some(observed), true) = (view.status, view.is_connected()) else {
-            return Err(LinkError::NotReady(NotReady::Disconnected));
+            let reason = view.not_ready.unwrap_or(NotReady::Disconnected);
+            return Err(LinkError::NotReady(reason));
         };
         if let Some(used_up @ NotReady::GenerationsUsedUp { .. }) = view.not_ready {
             return Err(LinkError::NotReady(used_up));
@@ -145,7 +146,8 @@ impl<C: Connector, O: MotionObserver> CommandTask<C, O> {
         }
         let frames = self.shared.plan.frame_numbers;
         // Nothing of this link is moving yet.
-        match readiness::check(&observed.line, order.wire_epoch, frames, false) {
+        let against = readiness::check(&observed.line, order.wire_epoch, frames, false);
+        match against.or_else(|| self.shared.plan.implausible(&observed.line)) {
             Some(reason) => Err(LinkError::NotReady(reason)),
             None => Ok(observed.line.boot),
         }

@@ -10,7 +10,7 @@ use tokio::time::{Instant, sleep, timeout_at};
 use super::error::{LinkError, ReadError};
 use super::order::MotionOrder;
 use super::plan::CellServerPlan;
-use super::readiness::NotReady;
+use super::readiness::{Identity, NotReady};
 use super::stream::LineStream;
 use crate::link::Connector;
 
@@ -88,6 +88,19 @@ pub(super) fn check_greeting(
         return Err(LinkError::NotReady(NotReady::Superseded {
             epoch_max: greeting.epoch_max,
             ours: order.wire_epoch,
+        }));
+    }
+    if greeting.epoch_max < order.wire_epoch {
+        // The controller behind the status port was fenced with it: this is another one.
+        return Err(LinkError::NotReady(NotReady::OtherController {
+            is: Identity {
+                boot: greeting.boot,
+                epoch_max: greeting.epoch_max,
+            },
+            was: Identity {
+                boot,
+                epoch_max: order.wire_epoch,
+            },
         }));
     }
     if greeting.accepted >= order.number() {
