@@ -63,7 +63,9 @@ pub(crate) struct Robot {
 /// The way to a robot's controller, by the program on it.
 #[derive(Clone, Debug)]
 pub(crate) enum RobotLink {
+    /// The seed's pose server alone.
     Seed(Link),
+    /// A status program is beside it: the cell server's own, or that of the pose server.
     CellServer(CellServerLink),
 }
 
@@ -180,7 +182,7 @@ impl<C: Connector> RobotParts<'_, C> {
         ));
         let metrics = self.metrics.link(&plan);
         let link = match plan.tier {
-            Tier::Seed | Tier::SeedStatus => {
+            Tier::Seed => {
                 let owner = Owner {
                     plan: Arc::clone(&plan),
                     motions: Arc::clone(&motions),
@@ -189,7 +191,7 @@ impl<C: Connector> RobotParts<'_, C> {
                 };
                 RobotLink::Seed(link::spawn(owner, self.tracker, self.stop.clone()))
             }
-            Tier::CellServer => RobotLink::CellServer(cell_server::spawn(
+            Tier::SeedStatus | Tier::CellServer => RobotLink::CellServer(cell_server::spawn(
                 CellServerPlan::of(&plan, self.metrics.controller_link(&plan)),
                 Arc::clone(self.connector),
                 Arc::clone(&motions),

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use api::{
     Motion, MotionState, Outcome, ProblemCode, SpeedOverride, StopBody, StopEffect, StopResult,
-    Violation,
+    Tier, Violation,
 };
 use axum::Json;
 use axum::extract::State;
@@ -166,8 +166,16 @@ pub(super) async fn stop_robot(
                 .map_err(|error| of_link(&error).robot(&robot.plan.id))?;
             (
                 report.effect,
-                "The controller was told to stop and has confirmed it: the running motion ends by a controlled \
-                 deceleration.",
+                match robot.plan.tier {
+                    Tier::SeedStatus => {
+                        "The controller has ended the seed program, and with it the running motion, by a controlled \
+                         deceleration. The program is started again when the arm stands still."
+                    }
+                    Tier::Seed | Tier::CellServer => {
+                        "The controller was told to stop and has confirmed it: the running motion ends by a \
+                         controlled deceleration."
+                    }
+                },
             )
         }
     };
@@ -260,7 +268,11 @@ async fn running<'a>(
     done: &str,
 ) -> Result<(&'a CellServerLink, Record), Problem> {
     let record = command_on(robot, id).await?;
-    let link = controller(robot, "the seed program cannot be told to hold a motion")?;
+    let refusal = "the seed program cannot be told to hold a motion";
+    let link = controller(robot, refusal)?;
+    if !robot.plan.tier.capabilities().hold_and_continue {
+        return Err(Problem::not_sent(ProblemCode::NotSupported, refusal).robot(&robot.plan.id));
+    }
     match record.progress {
         Progress::Accepted | Progress::Executing => Ok((link, record)),
         Progress::Queued | Progress::Dispatched | Progress::Ended { .. } => {
