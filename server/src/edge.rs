@@ -100,7 +100,16 @@ fn admit(
         peer: request.extensions().get::<Peer>().map(|peer| peer.0),
         request_id,
     };
-    let principal = app.identity.admit(&asked, &*app.clock)?;
+    let principal = match app.identity.admit(&asked, &*app.clock) {
+        Ok(principal) => principal,
+        Err(not) => {
+            if let Some(who) = &not.worth_noting {
+                app.refusals
+                    .note(&*app.audit, who, &asked, not.problem.code());
+            }
+            return Err(not.problem);
+        }
+    };
     let _token = request.headers_mut().remove(header::AUTHORIZATION);
     let _none = request.extensions_mut().insert(principal.clone());
     Ok(principal)

@@ -8,13 +8,13 @@ use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
-use crate::authority::{AtLoss, CellControl, EpochStore, LeaseClock, MemoryEpochs};
+use crate::authority::{AtLoss, CellControl, EpochStore, LeaseClock};
 use crate::cell::{self, CellHandle};
 use crate::clock::WallClock;
 use crate::config::{CellPlan, Plan, RobotPlan, ServerPlan};
 use crate::events::Events;
-use crate::identity::{AuditSink, Identity, TracingAudit};
-use crate::journal::SharedJournal;
+use crate::identity::{AuditSink, Identity, Refusals};
+use crate::journal::{AuditHealth, JournalAudit, JournalEpochs, SharedJournal};
 use crate::link::cell_server::{self, CellServerLink, CellServerPlan};
 use crate::link::{self, Connector, Link, Owner};
 use crate::metrics::{LinkMetrics, Metrics};
@@ -33,6 +33,9 @@ pub(crate) struct App {
     pub(crate) clock: Arc<dyn WallClock>,
     pub(crate) identity: Identity,
     pub(crate) audit: Arc<dyn AuditSink>,
+    pub(crate) audit_health: AuditHealth,
+    /// Keeps refused requests from flooding the audit.
+    pub(crate) refusals: Refusals,
     /// Places for streams of events.
     pub(crate) streams: Arc<Semaphore>,
     pub(crate) journal: SharedJournal,
@@ -299,8 +302,16 @@ impl App {
             tracker,
             stop,
         };
-        let audit: Arc<dyn AuditSink> = Arc::new(TracingAudit);
-        let epochs: Arc<dyn EpochStore> = Arc::new(MemoryEpochs::default());
+        let audit = JournalAudit::spawn(
+            journal.clone(),
+            Arc::clone(&clock),
+            plan.server.shutdown_timeout,
+            tracker,
+            stop.clone(),
+        );
+        let audit_health = audit.health();
+        let audit: Arc<dyn AuditSink> = Arc::new(audit);
+        let epochs: Arc<dyn EpochStore> = Arc::new(JournalEpochs::new(journal.clone()));
         let start_control = |cell: &str| {
             let time = LeaseClock::new(Arc::clone(&clock));
             let control = CellControl::new(cell, time, Arc::clone(&epochs), Arc::clone(&audit));
@@ -348,6 +359,8 @@ impl App {
             clock,
             identity,
             audit,
+            audit_health,
+            refusals: Refusals::default(),
             events,
             journal,
             keys,

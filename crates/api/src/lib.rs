@@ -4,6 +4,7 @@
 //! arrived; whoever reads them converts to the checked types of `units` and `kinematics` before using them.
 //! Requests refuse unknown and duplicate keys; answers may grow, so clients ignore keys they do not know.
 
+mod audit;
 mod authority;
 mod cell_state;
 mod control;
@@ -25,6 +26,7 @@ mod session;
 pub mod setup;
 mod state;
 
+pub use audit::{AuditEntry, AuditList, AuditResult};
 pub use authority::{
     AcquireBody, ControlEnd, ControlHolder, ControlLease, ControlToken, ControlTokenError,
     ControlView, EndedLease, LossBehavior, Station, TransferBody,

@@ -278,6 +278,10 @@ impl Task {
                 }
             }
         }
+        if matches!(input, Input::CreateJob { .. }) {
+            // What runs gets its end on the reserve of a full disk; a job would begin something.
+            self.driver.journal.room().map_err(Refused::NotKept)?;
+        }
         self.decide(input, claim).await
     }
 

@@ -42,6 +42,7 @@ const TABLE: &[(&str, &str, Access)] = &[
     (PUT, "/api/v1/cells/{cell}/control-authority/{lease}", Access::Control),
     (DELETE, "/api/v1/cells/{cell}/control-authority/{lease}", Access::Control),
     (POST, "/api/v1/cells/{cell}/control-authority/{lease}/transfer", Access::Control),
+    (GET, "/api/v1/cells/{cell}/audit", Access::Auditor),
     // Its robots.
     (GET, "/api/v1/cells/{cell}/robots", Access::Viewer),
     (GET, "/api/v1/cells/{cell}/robots/{robot}", Access::Viewer),

@@ -1,6 +1,7 @@
 //! The routes, one file a resource. `routes!` registers a handler and its description in one step, so that no route
 //! can miss the OpenAPI document.
 
+mod audit;
 mod caller;
 mod cell_state;
 mod cells;
@@ -51,6 +52,7 @@ pub(crate) fn documented() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(control::get_control, control::acquire_control))
         .routes(routes!(control::keep_control, control::release_control))
         .routes(routes!(control::transfer_control))
+        .routes(routes!(audit::list_audit))
         .routes(routes!(robots::get_robot))
         .routes(routes!(robots::get_robot_description))
         .routes(routes!(robots::get_robot_state))

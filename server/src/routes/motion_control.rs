@@ -20,9 +20,11 @@ use super::responses::{
 };
 use crate::authority::Claim;
 use crate::extract::{JsonBody, OptionalJson};
+use crate::identity::{Principal, entry};
 use crate::link::cell_server::{CellServerLink, LinkError};
 use crate::motions::{Progress, Record};
 use crate::problem::Problem;
+use crate::request_id::RequestId;
 use crate::state::{App, Robot, RobotLink};
 
 /// How long the end of a motion that was stopped is waited for.
@@ -140,8 +142,10 @@ pub(super) async fn resume_motion(
     ),
 )]
 pub(super) async fn stop_robot(
-    State(_): State<Arc<App>>,
+    State(app): State<Arc<App>>,
     RobotOf(robot): RobotOf,
+    principal: Principal,
+    request_id: RequestId,
     OptionalJson(body): OptionalJson<StopBody>,
 ) -> Result<Json<StopResult>, Problem> {
     let category = body.unwrap_or_default().category;
@@ -153,6 +157,9 @@ pub(super) async fn stop_robot(
         canceled = canceled.len(),
         "a stop was asked for"
     );
+    let mut about = entry(&principal, "robot.stop", &*robot.plan.id, &request_id);
+    about.cell = Some(robot.plan.cell.clone());
+    app.audit.note(about);
     let (stop_effect, text) = match &robot.link {
         RobotLink::Seed(_) => (
             StopEffect::IssuesNothingMore,

@@ -25,6 +25,7 @@ POST   /api/v1/cells/{cell}/control-authority                        OIA
 PUT    /api/v1/cells/{cell}/control-authority/{lease}                OIA
 DELETE /api/v1/cells/{cell}/control-authority/{lease}                OIA
 POST   /api/v1/cells/{cell}/control-authority/{lease}/transfer       OIA
+GET    /api/v1/cells/{cell}/audit                                    IA
 GET    /api/v1/cells/{cell}/robots                                   VOIA
 GET    /api/v1/cells/{cell}/robots/{robot}                           VOIA
 GET    /api/v1/cells/{cell}/robots/{robot}/description               VOIA
