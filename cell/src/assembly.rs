@@ -1,17 +1,19 @@
 //! A plant and the servers that come and go before it: what the program does, for callers with a listener and a
 //! journal of their own.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result};
 use karel_emulator::{PeerLabels, VirtualController};
 use server::identity::Identity;
-use server::{Plan, Seams, SharedJournal, SystemClock, TcpConnector};
+use server::{Plan, Seams, SharedJournal, SystemClock, TcpConnector, WallClock};
 use tokio::net::TcpListener;
 use tokio_util::sync::CancellationToken;
 
 use crate::config::Loaded;
 use crate::plant::{Plant, Prepared};
+use crate::simulate::Simulator;
 use crate::start::url_of;
 use crate::virtual_controllers;
 
@@ -21,6 +23,7 @@ pub struct Assembly {
     loaded: Loaded,
     plant: Plant,
     labels: PeerLabels,
+    simulator: Option<PathBuf>,
 }
 
 impl Assembly {
@@ -37,7 +40,13 @@ impl Assembly {
             loaded,
             plant,
             labels,
+            simulator: None,
         })
+    }
+
+    /// Lets the servers simulate jobs with `program`, which is `robocell`.
+    pub fn simulate_with(&mut self, program: impl Into<PathBuf>) {
+        self.simulator = Some(program.into());
     }
 
     /// Switches the mobile robots on. The server they talk to need not answer yet.
@@ -58,13 +67,28 @@ impl Assembly {
         journal: SharedJournal,
         stop: CancellationToken,
     ) -> Result<impl Future<Output = Result<()>> + Send + use<>> {
+        self.serve_by(Arc::new(SystemClock), listener, journal, stop)
+    }
+
+    /// The same by a clock of its own.
+    pub(crate) fn serve_by(
+        &self,
+        clock: Arc<dyn WallClock>,
+        listener: TcpListener,
+        journal: SharedJournal,
+        stop: CancellationToken,
+    ) -> Result<impl Future<Output = Result<()>> + Send + use<>> {
         let file = &self.loaded.file;
-        let plan = Plan::try_new(&file.server, &file.cells)?.with_identity(Identity::demo())?;
+        let mut plan = Plan::try_new(&file.server, &file.cells)?.with_identity(Identity::demo())?;
+        if let Some(program) = &self.simulator {
+            let simulator = Simulator::new(program.clone(), file, &self.loaded.folder);
+            plan = plan.with_simulator(Arc::new(simulator));
+        }
         let labels = self.labels.clone();
         let connector = TcpConnector::with_label(move |peer, id| labels.set(peer, id));
         let seams = Seams {
             connector,
-            clock: Arc::new(SystemClock),
+            clock,
             journal,
         };
         Ok(async move {

@@ -22,6 +22,7 @@ use crate::motions::{self, InFlight, Motions};
 use crate::problem::Problem;
 use crate::serve::ServeError;
 use crate::setup::SetupBook;
+use crate::simulation::JobSimulator;
 
 /// What the handlers work on.
 #[derive(Debug)]
@@ -42,6 +43,10 @@ pub(crate) struct App {
     pub(crate) keys: InFlight,
     /// What happens, for streams.
     pub(crate) events: Events,
+    /// What plays jobs in virtual time, if anything does.
+    pub(crate) simulator: Option<Arc<dyn JobSimulator>>,
+    /// The place for one simulation.
+    pub(crate) simulating: Semaphore,
 }
 
 #[derive(Debug)]
@@ -352,6 +357,8 @@ impl App {
         };
         Ok(Self {
             streams: Arc::new(Semaphore::new(plan.server.max_event_streams)),
+            simulator: plan.simulator,
+            simulating: Semaphore::new(1),
             server: plan.server,
             cells,
             legacy,

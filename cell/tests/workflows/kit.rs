@@ -71,6 +71,29 @@ impl TestCell {
         cell
     }
 
+    /// The server can simulate jobs.
+    pub(crate) async fn simulating() -> Self {
+        Self::simulating_with(SETUP).await
+    }
+
+    pub(crate) async fn simulating_with(setup: &str) -> Self {
+        let mut cell = Self::dark(setup).await;
+        cell.assembly.simulate_with(env!("CARGO_BIN_EXE_robocell"));
+        cell.start_server().await;
+        // A simulation begins where the robots are, so they have to be heard first.
+        cell.wait(
+            "every robot is heard",
+            Duration::from_secs(20),
+            async |cell| {
+                let mobile = cell.get("/mobile-robots").await;
+                let arm = cell.get("/robots/r1/state").await;
+                (mobile[0]["connected"] == true && !arm["controller"].is_null()).then_some(())
+            },
+        )
+        .await;
+        cell
+    }
+
     /// The server as the real program, in a process of its own.
     pub(crate) async fn of_processes() -> Self {
         let mut cell = Self::dark(SETUP).await;

@@ -17,6 +17,7 @@ mod kit;
 mod operator;
 mod run;
 mod sigkill;
+mod simulate;
 
 use cell::world::PartAt;
 use kit::TestCell;

@@ -24,6 +24,7 @@ mod pose;
 mod problem;
 mod session;
 pub mod setup;
+mod simulation;
 mod state;
 
 pub use audit::{AuditEntry, AuditList, AuditResult};
@@ -83,4 +84,8 @@ pub use motion::{
 pub use pose::{JointsBody, PoseBody};
 pub use problem::{Outcome, Problem, ProblemCode, ProblemKind, Violation};
 pub use session::{PointPermits, Session, SessionList, SessionState};
+pub use simulation::{
+    JobSimulation, SimulatedCustody, SimulatedMotion, SimulatedPermit, SimulatedQuestion,
+    SimulatedViolation, SimulationEnd,
+};
 pub use state::{ControllerState, LinkState, LinkStatus, OperationalMode, PoseSource, RobotState};

@@ -72,6 +72,7 @@ const TABLE: &[(&str, &str, Access)] = &[
     (GET, "/api/v1/cells/{cell}/state", Access::Viewer),
     (GET, "/api/v1/cells/{cell}/jobs", Access::Viewer),
     (POST, "/api/v1/cells/{cell}/jobs", Access::Operator),
+    (POST, "/api/v1/cells/{cell}/jobs/simulate", Access::Operator),
     (GET, "/api/v1/cells/{cell}/jobs/{job}", Access::Viewer),
     (POST, "/api/v1/cells/{cell}/jobs/{job}/commands", Access::Operator),
     (GET, "/api/v1/cells/{cell}/jobs/{job}/events", Access::Viewer),

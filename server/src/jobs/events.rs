@@ -345,7 +345,7 @@ fn names(resources: &[Resource]) -> String {
     names.join(", ")
 }
 
-fn ended(result: &OpResult) -> String {
+pub(super) fn ended(result: &OpResult) -> String {
     match result {
         OpResult::Arrived => "done".to_owned(),
         OpResult::Gripped {

@@ -9,6 +9,7 @@ mod refused;
 mod report;
 mod shown;
 mod story;
+mod telling;
 #[cfg(test)]
 mod tests;
 mod words;
@@ -20,3 +21,4 @@ pub(crate) use refused::{problem, told};
 pub(crate) use report::report;
 pub(crate) use shown::{job, load, permits, session, state_of, summary};
 pub(crate) use story::{History, history_of_load, remembered, story};
+pub(crate) use telling::{Telling, all_chapters};

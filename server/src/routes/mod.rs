@@ -28,6 +28,7 @@ mod responses;
 mod robots;
 mod sessions;
 mod setup;
+mod simulation;
 
 use std::sync::Arc;
 
@@ -85,6 +86,7 @@ pub(crate) fn documented() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(interventions::get_intervention))
         .routes(routes!(interventions::respond))
         .routes(routes!(jobs::create_job, jobs::list_jobs))
+        .routes(routes!(simulation::simulate_job))
         .routes(routes!(jobs::get_job))
         .routes(routes!(jobs::command_job))
         .routes(routes!(job_history::job_events))

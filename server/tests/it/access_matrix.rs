@@ -93,6 +93,7 @@ POST   /api/v1/cells/{cell}/mobile-robots/{mobile_robot}/instant-actions OI
 GET    /api/v1/cells/{cell}/state                                   VOIA
 GET    /api/v1/cells/{cell}/jobs                                    VOIA
 POST   /api/v1/cells/{cell}/jobs                                    OI
+POST   /api/v1/cells/{cell}/jobs/simulate                           OI
 GET    /api/v1/cells/{cell}/jobs/{job}                              VOIA
 POST   /api/v1/cells/{cell}/jobs/{job}/commands                     OI
 GET    /api/v1/cells/{cell}/jobs/{job}/events                       VOIA

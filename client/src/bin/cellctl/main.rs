@@ -25,6 +25,7 @@ mod motions;
 mod move_to;
 mod numbers;
 mod report;
+mod simulation;
 mod speed_override;
 mod state;
 mod stop;
