@@ -397,7 +397,15 @@ mod tests {
     fn an_id_may_be_padded_with_a_zero_and_nothing_else_is_one() {
         assert_eq!(id_of_name("f07_an_alarm"), ["F7"]);
         assert_eq!(id_of_name("h6_h07_keys"), ["H6", "H7"]);
-        for name in ["f", "f0x7_a", "f123_a", "ff7_a", "\u{e9}7_a", "_f7", "f07a_b"] {
+        for name in [
+            "f",
+            "f0x7_a",
+            "f123_a",
+            "ff7_a",
+            "\u{e9}7_a",
+            "_f7",
+            "f07a_b",
+        ] {
             assert_eq!(id_of_name(name), [""; 0], "{name}");
         }
     }

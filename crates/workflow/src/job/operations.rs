@@ -236,6 +236,14 @@ impl Work<'_> {
             (Phase::Grip, Phase::Approach),
             (Phase::Release, Phase::PlaceApproach),
         ] {
+            // The gripper had already done it when the arm was told to leave: done again, the arm would drive into the
+            // load it put down, or with a load in its gripper to where that came from.
+            if let Some(late) = begun(late)
+                && self.has_gripped_as_planned(job, late)
+            {
+                self.step_to(job, late, StepState::Succeeded, "done before the arm left");
+                continue;
+            }
             let again = match (begun(late), begun(early)) {
                 (Some(late), _) => {
                     let item = job.step(late).and_then(|s| s.plan.item);
@@ -260,6 +268,24 @@ impl Work<'_> {
                 });
             }
         }
+    }
+
+    /// Custody says that the load of a grip or release is where the step was to bring it.
+    fn has_gripped_as_planned(&self, job: &Job, step: usize) -> bool {
+        let Some((found, load)) = job
+            .step(step)
+            .zip(job.item_of(step).and_then(|(_, item)| item.load.as_ref()))
+        else {
+            return false;
+        };
+        let custody = &self.cell.book.custody;
+        if found.plan.phase == Phase::Grip {
+            let arm = job.arm.as_deref();
+            return arm.is_some_and(|arm| custody.in_gripper(arm) == Some(load.as_str()));
+        }
+        let target = found.plan.place.as_ref();
+        let target = target.and_then(|place| self.location_of(job, place));
+        target.is_some() && custody.of(load) == target.as_ref()
     }
 
     /// An operation ended: what does it mean?

@@ -105,6 +105,8 @@ fn check_timers(faults: &mut Faults, timers: &TimersBody) {
         hold_ms,
         safe_ms,
         transport_ms,
+        heartbeat_ms,
+        arm_silence_ms,
     } = *timers;
     for (name, value) in [
         ("reserve_ms", reserve_ms),
@@ -120,6 +122,8 @@ fn check_timers(faults: &mut Faults, timers: &TimersBody) {
         ("hold_ms", hold_ms),
         ("safe_ms", safe_ms),
         ("transport_ms", transport_ms),
+        ("heartbeat_ms", heartbeat_ms),
+        ("arm_silence_ms", arm_silence_ms),
     ] {
         if let Some(value) = value.filter(|value| !TIMER_MS.contains(value)) {
             let (min, max) = (TIMER_MS.start(), TIMER_MS.end());
