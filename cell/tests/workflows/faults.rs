@@ -222,14 +222,11 @@ pub(crate) async fn cable_pulled(which: Which) {
 /// The controller loses power in the middle of a motion. What became of the motion nobody knows but a person.
 pub(crate) async fn power_cycle(which: Which) {
     let run = Run::start(which).await;
-    run.until_in_zone().await;
-    run.arm()
-        .power_cycle(karel_emulator::CmosMemory::Kept)
-        .await
-        .unwrap();
-    let question = run.asked("F8").await;
+    run.power_cycle_in_motion(which.phase_in_zone()).await;
+    let question = run.asked_for("F8", "replan").await;
     let _job = run.until("SUSPENDED").await;
     run.nothing_moves().await;
+    run.until_ready().await;
     run.answer(&question, "replan").await;
     run.complete().await;
 }

@@ -22,7 +22,11 @@ async fn not_writable(which: Which) {
             (cell.disk.struck() > 0).then_some(())
         })
         .await;
-    let (status, said) = run.cell.post("/jobs", &TestCell::pickup_body()).await;
+    let other = match which {
+        Which::Delivery => TestCell::pickup_body(),
+        Which::Pickup => TestCell::delivery_body("rack/e"),
+    };
+    let (status, said) = run.cell.post("/jobs", &other).await;
     assert_eq!(status, 503, "{said}");
     let (status, said) = run.try_command("stop").await;
     assert_eq!(status, 503, "{said}");
@@ -58,12 +62,18 @@ async fn f24_a_journal_that_cannot_be_written_begins_nothing_and_holds_b() {
 /// Covers: F24, D1.
 #[tokio::test(flavor = "multi_thread")]
 async fn f24_d1_a_full_disk_in_the_middle_of_a_job_begins_nothing() {
-    let mut cell = TestCell::with_pages(90).await;
+    let mut cell = TestCell::with_pages(120).await;
     let job = cell.delivery("rack/d").await;
-    // Whatever is asked is refused as soon as the limit is reached; until then it fills the journal.
+    cell.wait("the arm works", A_JOB, async |cell| {
+        (cell.begun().await > 1).then_some(())
+    })
+    .await;
+    // It fills up: a person says again and again where a load is.
+    let location = json!({"at": "FIXED", "place": "rack/b"});
+    let body = json!({"location": location, "confirm": "load-3", "reason": "x".repeat(200)});
     let (status, said) = cell
         .wait("the disk is full", A_JOB, async |cell| {
-            let (status, said) = cell.post("/jobs", &far_off()).await;
+            let (status, said) = cell.put("/loads/load-3/custody", &body).await;
             (!status.is_success()).then_some((status, said))
         })
         .await;
@@ -85,14 +95,6 @@ async fn f24_d1_a_full_disk_in_the_middle_of_a_job_begins_nothing() {
     let (ended, said) = cell.see_through(&job).await;
     assert_eq!(ended["state"], "COMPLETE", "{ended:#}\n{said:#?}");
     cell.assert_sound().await;
-}
-
-/// A job that never begins, because its deadline has passed: it only fills the journal.
-fn far_off() -> Value {
-    let mut body = TestCell::pickup_body();
-    body["name"] = "x".repeat(40).into();
-    body["params"]["deadline"] = "2020-01-01T00:00:00Z".into();
-    body
 }
 
 /// The power goes when the last step is done and the end of the job is not kept, or when it is kept and nobody heard of
@@ -143,12 +145,9 @@ fn says_complete(event: &Value) -> bool {
 async fn p14_an_answer_is_applied_once_over_a_crash() {
     for kept in [false, true] {
         let mut run = Run::start(Which::Delivery).await;
-        run.hold_in_motion("PLACE_APPROACH").await;
-        run.arm()
-            .power_cycle(karel_emulator::CmosMemory::Kept)
-            .await
-            .unwrap();
-        let question = run.asked("F8").await;
+        run.power_cycle_in_motion("PLACE_APPROACH").await;
+        let question = run.asked_for("F8", "replan").await;
+        run.until_ready().await;
         let begun = run.cell.begun().await;
         if kept {
             run.cell.disk.stalls_after("\"fact\":\"answered\"");
@@ -169,9 +168,10 @@ async fn p14_an_answer_is_applied_once_over_a_crash() {
         run.cell.disk.is_sound();
         run.cell.crash().await;
         if !kept {
-            let again = run.asked("F8").await;
+            let again = run.asked_for("F8", "replan").await;
             assert_eq!(again.id(), question.id(), "the same question");
             assert_eq!(run.cell.begun().await, begun);
+            run.until_ready().await;
             run.answer(&again, "replan").await;
         }
         run.complete_with_a_person().await;

@@ -20,7 +20,7 @@ use crate::faults_disk::Disk;
 use crate::faults_wire::Wires;
 
 /// Seconds of the cell in a second.
-pub(crate) const SCALE: f64 = 20.0;
+pub(crate) const SCALE: f64 = 15.0;
 /// How often something that is waited for is looked at.
 const LOOK: Duration = Duration::from_millis(8);
 /// A job of two drives and a few motions takes about two minutes of the cell's time.
@@ -99,11 +99,6 @@ impl TestCell {
         cell.disk.limit(Some(pages));
         cell.start_server().await;
         cell
-    }
-
-    /// The world and its journal, and no server yet: a test starts it.
-    pub(crate) async fn off() -> Self {
-        Self::dark(SETUP).await
     }
 
     pub(crate) fn journal(&self) -> &std::path::Path {
@@ -270,14 +265,19 @@ impl TestCell {
 
     /// A delivery of load-1, which mr1 has in its left slot at the beginning, to a place of the rack.
     pub(crate) async fn delivery(&self, place: &str) -> String {
-        self.job(
-            "delivery-and-placement",
-            json!({
+        let body = Self::delivery_body(place);
+        self.job("delivery-and-placement", body["params"].clone())
+            .await
+    }
+
+    pub(crate) fn delivery_body(place: &str) -> Value {
+        json!({
+            "workflow": "delivery-and-placement",
+            "params": {
                 "point": "handover/front",
                 "items": [{"load_id": "load-1", "type": "crate", "mr_slot": "left", "place": place}]
-            }),
-        )
-        .await
+            }
+        })
     }
 
     /// A pickup of load-2, which is in rack/a at the beginning, to the warehouse.

@@ -251,6 +251,30 @@ impl Run {
             .await;
     }
 
+    /// The controller loses power in the middle of a motion of this phase: what became of the motion it does not know.
+    pub(crate) async fn power_cycle_in_motion(&self, phase: &str) {
+        self.hold_in_motion(phase).await;
+        self.arm()
+            .power_cycle(karel_emulator::CmosMemory::Kept)
+            .await
+            .unwrap();
+        self.operate(Operation::CycleStart).await;
+    }
+
+    /// Waits for a question about a fault that this may be answered to.
+    pub(crate) async fn asked_for(&self, fault: &str, answer: &str) -> Question {
+        let what = format!("a question about {fault} with the answer {answer}");
+        self.cell
+            .wait(&what, A_JOB, async |cell| {
+                let open = cell.get("/interventions").await;
+                let asked = open["interventions"].as_array()?;
+                let of = |one: &&Value| one["fault"]["code"] == fault && one["job"] == *self.job;
+                let found = asked.iter().find(of).cloned().map(Question)?;
+                found.answers().contains(&answer).then_some(found)
+            })
+            .await
+    }
+
     /// Waits until no motion has begun and not ended, by the arm's own ledger.
     pub(crate) async fn until_arm_stands(&self) {
         self.cell
@@ -383,7 +407,16 @@ impl Run {
                     .iter()
                     .find(|entry| entry.event == LedgerEvent::Started);
                 assert!(begun.is_none(), "the arm began to move: {begun:?}");
-                assert_eq!(self.job().await["state"], state);
+                let now = self.job().await["state"].clone();
+                let settled = [
+                    ("SUSPENDING", "SUSPENDED"),
+                    ("HOLDING", "HELD"),
+                    ("ABORTING", "ABORTED"),
+                ];
+                let settles = settled
+                    .iter()
+                    .any(|(from, to)| state == *from && now == *to);
+                assert!(now == state || settles, "{state} became {now}");
                 (std::time::Instant::now() >= until).then_some(())
             })
             .await;
