@@ -1,6 +1,7 @@
 //! A plant and the servers that come and go before it: what the program does, for callers with a listener and a
 //! journal of their own.
 
+use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -53,7 +54,7 @@ impl Assembly {
     ///
     /// # Errors
     /// The first that does not start.
-    pub fn start_mobile_robots(&mut self, server: std::net::SocketAddr) -> Result<()> {
+    pub fn start_mobile_robots(&mut self, server: SocketAddr) -> Result<()> {
         self.plant.start_mobile_robots(&url_of(server))
     }
 
@@ -96,6 +97,19 @@ impl Assembly {
                 .await
                 .context("serving")
         })
+    }
+
+    /// Lets the servers to come reach a robot's controller somewhere else, e.g. through what breaks the line to it.
+    /// False where no robot is named so.
+    pub fn reroute(&mut self, robot: &str, command: SocketAddr, status: SocketAddr) -> bool {
+        let cells = self.loaded.file.cells.iter_mut();
+        let mut robots = cells.flat_map(|cell| cell.robots.iter_mut());
+        let Some(found) = robots.find(|found| found.id == robot) else {
+            return false;
+        };
+        found.controller = command.to_string();
+        found.status_controller = Some(status.to_string());
+        true
     }
 
     /// Where the virtual controllers are, as `--parts-at` of the program takes it.

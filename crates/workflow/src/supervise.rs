@@ -270,6 +270,8 @@ impl Work<'_> {
             answers: vec![again, Answer::Cancel],
             ..Ask::default()
         };
+        // A job that undoes itself waits for the answer to its own question, which no other may replace.
+        let asked = job.state == JobState::Stopping && self.cell.book.question_of(job.id).is_some();
         self.react(
             job,
             Reaction {
@@ -278,7 +280,7 @@ impl Work<'_> {
                 permits: true,
                 stop: moving && in_zone && !leaving,
                 state: Some(JobState::Suspending),
-                ask: Some(ask),
+                ask: (!asked).then_some(ask),
                 ..Reaction::default()
             },
         );

@@ -200,6 +200,8 @@ impl Setup {
             (&mut timers.prefetch_hold_ms, own.hold_ms),
             (&mut timers.safe_ms, own.safe_ms),
             (&mut timers.transport_ms, own.transport_ms),
+            (&mut timers.heartbeat_ms, own.heartbeat_ms),
+            (&mut timers.arm_silence_ms, own.arm_silence_ms),
         ] {
             if let Some(value) = value {
                 *timer = value;

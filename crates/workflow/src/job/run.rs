@@ -266,7 +266,7 @@ impl Work<'_> {
                         .place
                         .as_ref()
                         .and_then(|p| self.location_of(job, p))
-                        .is_some_and(|at| self.cell.is_free(&at))
+                        .is_some_and(|at| self.cell.is_target_free(job, &at))
             });
             if free {
                 self.withdraw(job.id, "the place is free");

@@ -530,7 +530,7 @@ impl Work<'_> {
         else {
             return false;
         };
-        if self.cell.is_free(&at) {
+        if self.cell.is_target_free(job, &at) {
             return false;
         }
         let asked = self.cell.book.question_of(job.id);

@@ -164,6 +164,7 @@ impl World {
             boot: 1,
             seq: self.seq,
             kind,
+            resync: false,
             state: self.state.clone(),
         }
     }

@@ -108,6 +108,8 @@ fn check_timers(faults: &mut Faults, timers: &TimersBody) {
         hold_ms,
         safe_ms,
         transport_ms,
+        heartbeat_ms,
+        arm_silence_ms,
     } = *timers;
     for (name, value) in [
         ("reserve_ms", reserve_ms),
@@ -123,6 +125,8 @@ fn check_timers(faults: &mut Faults, timers: &TimersBody) {
         ("hold_ms", hold_ms),
         ("safe_ms", safe_ms),
         ("transport_ms", transport_ms),
+        ("heartbeat_ms", heartbeat_ms),
+        ("arm_silence_ms", arm_silence_ms),
     ] {
         if let Some(value) = value.filter(|value| !TIMER_MS.contains(value)) {
             let (min, max) = (TIMER_MS.start(), TIMER_MS.end());
