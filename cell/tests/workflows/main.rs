@@ -14,6 +14,7 @@ mod faults_delivery;
 mod faults_pickup;
 mod judge;
 mod kit;
+mod mobile;
 mod operator;
 mod run;
 mod sigkill;
