@@ -18,6 +18,7 @@ mod faults_pickup;
 mod faults_wire;
 mod judge;
 mod kit;
+mod mobile;
 mod operator;
 mod run;
 mod sigkill;

@@ -181,7 +181,8 @@ impl Work<'_> {
         let jumped = session
             .docked
             .is_some_and(|d| !seen.pose.within(&d, point.tolerance));
-        let dropped = session.echoes && seen.order.is_none();
+        // One that was told to give up may stop naming its order before it is out.
+        let dropped = session.echoes && seen.order.is_none() && !session.backs_out;
         if session.state.is_docked() {
             let danger = permit == Permit::ArmEntry && self.cell.arm_may_be_in(&point);
             if danger && (seen.driving || jumped) {
