@@ -7,6 +7,7 @@
 )]
 
 mod access_matrix;
+mod audit;
 mod bad_bodies;
 mod config;
 mod connections;
@@ -14,6 +15,7 @@ mod control;
 mod deltas;
 mod document;
 mod events;
+mod full_disk;
 mod health;
 mod identity;
 mod job_refusals;

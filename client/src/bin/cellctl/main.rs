@@ -1,5 +1,6 @@
 //! `cellctl`: a robot cell from the command line.
 
+mod audit;
 mod cell;
 mod cells;
 mod cli;
@@ -79,6 +80,7 @@ async fn run(cli: Cli) -> Result<Report, Failure> {
         Command::Login => login::login(&context).await,
         Command::Logout => login::logout(&context),
         Command::Whoami => login::whoami(&context).await,
+        Command::Audit(args) => audit::run(args, &context).await,
         Command::Tokens(args) => tokens::run(args, &context).await,
         Command::Stop(args) => stop::run(args, &context).await,
         Command::Override(args) => speed_override::run(args, &context).await,
