@@ -35,11 +35,18 @@ pub(crate) struct App {
     pub(crate) audit: Arc<dyn AuditSink>,
     /// Places for streams of events.
     pub(crate) streams: Arc<Semaphore>,
+    /// Places for bodies that are larger than most.
+    pub(crate) large_bodies: Arc<Semaphore>,
+    /// One place for what computes for long: all else goes on beside it.
+    pub(crate) computing: Arc<Semaphore>,
     pub(crate) journal: SharedJournal,
     pub(crate) keys: InFlight,
     /// What happens, for streams.
     pub(crate) events: Events,
 }
+
+/// How many large bodies are read and worked on at a time.
+const LARGE_BODIES: usize = 4;
 
 #[derive(Debug)]
 pub(crate) struct Cell {
@@ -339,6 +346,8 @@ impl App {
         };
         Ok(Self {
             streams: Arc::new(Semaphore::new(plan.server.max_event_streams)),
+            large_bodies: Arc::new(Semaphore::new(LARGE_BODIES)),
+            computing: Arc::new(Semaphore::new(1)),
             server: plan.server,
             cells,
             legacy,

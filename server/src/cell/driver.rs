@@ -156,6 +156,7 @@ impl Driver {
             places,
             asks: asks.downgrade(),
             unkept: VecDeque::new(),
+            said_unkept: false,
             writable: true,
         };
         drop(tracker.spawn(task.run(asked, asks)));
@@ -175,6 +176,7 @@ struct Task {
     asks: mpsc::WeakSender<Ask>,
     /// What happened and could not be kept yet. It did happen, so it is not forgotten.
     unkept: VecDeque<Input>,
+    said_unkept: bool,
     writable: bool,
 }
 
@@ -249,11 +251,15 @@ impl Task {
     /// Something happened, whoever likes it or not. What cannot be kept now is kept later.
     async fn happened(&mut self, input: Input) {
         match self.decide(&input, None).await {
-            Ok(_) | Err(Refused::Busy | Refused::Stopping) => {}
+            Ok(_) => self.said_unkept = false,
+            Err(Refused::Busy | Refused::Stopping) => {}
             Err(Refused::NotKept(trouble)) => {
                 // A timer fires again, and an arm is looked at again, by themselves.
                 if !matches!(input, Input::Tick | Input::ArmObserved(_)) {
-                    tracing::warn!(cell.id = self.driver.id, error = %trouble, "what happened could not be kept yet");
+                    // Said once for as long as it stays: it is tried again every moment.
+                    if !std::mem::replace(&mut self.said_unkept, true) {
+                        tracing::warn!(cell.id = self.driver.id, error = %trouble, "what happened could not be kept yet");
+                    }
                     self.unkept.push_front(input);
                 }
             }

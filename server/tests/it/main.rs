@@ -8,6 +8,7 @@
 
 mod access_matrix;
 mod bad_bodies;
+mod bounds;
 mod config;
 mod connections;
 mod control;
