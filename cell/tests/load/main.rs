@@ -42,11 +42,13 @@ async fn eight_arms_and_eight_mobile_robots_work_back_to_back_and_nothing_leaks(
 
 async fn work_and_judge() {
     let scale = from_environment("ROBOCELL_LOAD_SCALE", SCALE);
-    let seconds = from_environment("ROBOCELL_LOAD_MINUTES", MINUTES) * 60.0;
+    let work = from_environment("ROBOCELL_LOAD_MINUTES", MINUTES) * 60.0;
     let plant = LoadedPlant::start(scale).await;
     let checks = plant.checks().await;
     assert!(checks.is_empty(), "the set-up: {checks:#?}");
 
+    let begun = plant.now().await;
+    let seconds = begun + work;
     let workers = (0..setup::CELLS).flat_map(|cell| (0..2).map(move |mobile| (cell, mobile)));
     let working: Vec<_> = workers
         .map(|(cell, mobile)| {
@@ -57,9 +59,9 @@ async fn work_and_judge() {
     let said = std::rc::Rc::default();
     let person =
         tokio::task::spawn_local(person::answers(plant.clone(), std::rc::Rc::clone(&said)));
-    plant.until(seconds / 3.0).await;
+    plant.until(begun + work / 3.0).await;
     let early = Usage::of(&plant).await;
-    plant.until(seconds * 2.0 / 3.0).await;
+    plant.until(begun + work * 2.0 / 3.0).await;
     let middle = Usage::of(&plant).await;
     let mut done = worker::Done::default();
     for work in working {
@@ -67,7 +69,7 @@ async fn work_and_judge() {
     }
     person.abort();
     let late = Usage::of(&plant).await;
-    let lived = plant.now().await;
+    let lived = plant.now().await - begun;
     let said = said.take();
     eprintln!(
         "{lived:.0} s of the cells: {} jobs ({} of them waited in the queue), {} crates brought, {} taken, {:.1} jobs an hour and \
