@@ -39,6 +39,10 @@ pub(crate) struct App {
     pub(crate) refusals: Refusals,
     /// Places for streams of events.
     pub(crate) streams: Arc<Semaphore>,
+    /// Places for bodies that are larger than most.
+    pub(crate) large_bodies: Arc<Semaphore>,
+    /// One place for what computes for long: all else goes on beside it.
+    pub(crate) computing: Arc<Semaphore>,
     pub(crate) journal: SharedJournal,
     pub(crate) keys: InFlight,
     /// What happens, for streams.
@@ -48,6 +52,9 @@ pub(crate) struct App {
     /// The place for one simulation.
     pub(crate) simulating: Semaphore,
 }
+
+/// How many large bodies are read and worked on at a time.
+const LARGE_BODIES: usize = 4;
 
 #[derive(Debug)]
 pub(crate) struct Cell {
@@ -359,6 +366,8 @@ impl App {
             streams: Arc::new(Semaphore::new(plan.server.max_event_streams)),
             simulator: plan.simulator,
             simulating: Semaphore::new(1),
+            large_bodies: Arc::new(Semaphore::new(LARGE_BODIES)),
+            computing: Arc::new(Semaphore::new(1)),
             server: plan.server,
             cells,
             legacy,

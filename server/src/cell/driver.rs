@@ -156,6 +156,7 @@ impl Driver {
             places,
             asks: asks.downgrade(),
             unkept: VecDeque::new(),
+            said_unkept: false,
             writable: true,
             retry_at: None,
         };
@@ -176,6 +177,7 @@ struct Task {
     asks: mpsc::WeakSender<Ask>,
     /// What happened and could not be kept yet. It did happen, so it is not forgotten.
     unkept: VecDeque<Input>,
+    said_unkept: bool,
     writable: bool,
     /// When what could not be kept is tried again.
     retry_at: Option<Instant>,
@@ -262,10 +264,13 @@ impl Task {
             Some(input)
         };
         if let Some(input) = unkept.filter(|_| !comes_again) {
-            tracing::warn!(
-                cell.id = self.driver.id,
-                "what happened could not be kept yet"
-            );
+            // Said once for as long as it stays.
+            if !std::mem::replace(&mut self.said_unkept, true) {
+                tracing::warn!(
+                    cell.id = self.driver.id,
+                    "what happened could not be kept yet"
+                );
+            }
             self.unkept.push_back(input);
         }
     }
@@ -273,7 +278,11 @@ impl Task {
     /// Decides what follows from something that happened; gives it back where that could not be kept.
     async fn take_notice(&mut self, input: Input) -> Option<Input> {
         match self.decide(&input, None).await {
-            Ok(_) | Err(Refused::Busy | Refused::Stopping) => None,
+            Ok(_) => {
+                self.said_unkept = false;
+                None
+            }
+            Err(Refused::Busy | Refused::Stopping) => None,
             Err(Refused::NotKept(_) | Refused::Cell(Refusal::JournalUnavailable)) => Some(input),
             Err(Refused::Cell(refusal)) => {
                 tracing::debug!(cell.id = self.driver.id, %refusal, "the cell took no notice");

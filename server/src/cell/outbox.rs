@@ -160,7 +160,7 @@ impl Order {
         let way = |from: &str, to: &str| setup.way(robot, from, to).map(places);
         let stands_at = || {
             let at = cell.mobile_robots().into_iter().find(|m| m.id == robot)?;
-            at.state?.at_point
+            at.state?.at_point.or_else(|| left_last(cell, robot))
         };
         let onward = self.then_to.as_deref();
         Some(TransportOrderBody {
@@ -193,6 +193,14 @@ fn in_slot(one: SlotLoad) -> SlotLoadBody {
         slot: one.slot,
         load: one.load,
     }
+}
+
+/// The point that a mobile robot at no point has left last: it stands before that one, where the routes of it begin.
+fn left_last(cell: &Cell, robot: &str) -> Option<String> {
+    let sessions = cell.sessions(0).into_iter().rev();
+    let mut closed = sessions.filter(|session| session.state.is_closed());
+    let last = closed.find(|session| session.mobile_robot == robot)?;
+    Some(last.point)
 }
 
 fn area_of(setup: &Setup, point: &LoadPoint) -> Option<FloorAreaBody> {

@@ -73,6 +73,8 @@ pub(super) async fn metrics(
     for robot in robots(&app) {
         robot.metrics.queued(robot.link.depth().0);
     }
+    let runtime = tokio::runtime::Handle::current();
+    app.metrics.tasks(runtime.metrics().num_alive_tasks());
     let media_type = "text/plain; version=0.0.4; charset=utf-8";
     ([(header::CONTENT_TYPE, media_type)], app.metrics.render())
 }

@@ -9,6 +9,7 @@
 mod access_matrix;
 mod audit;
 mod bad_bodies;
+mod bounds;
 mod config;
 mod connections;
 mod control;
