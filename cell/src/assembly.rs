@@ -4,6 +4,7 @@
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Duration;
 
 use anyhow::{Context as _, Result};
 use karel_emulator::{PeerLabels, VirtualController};
@@ -17,6 +18,9 @@ use crate::plant::{Plant, Prepared};
 use crate::simulate::Simulator;
 use crate::start::url_of;
 use crate::virtual_controllers;
+
+/// How long a simulation may take: all of this is virtual, so there is nothing to spare the machine for.
+const SIMULATION: Duration = Duration::from_mins(1);
 
 /// The running virtual parts of a configuration. Servers may be started before it, and killed, one after the other.
 #[derive(Debug)]
@@ -82,7 +86,8 @@ impl Assembly {
         let file = &self.loaded.file;
         let mut plan = Plan::try_new(&file.server, &file.cells)?.with_identity(Identity::demo())?;
         if let Some(program) = &self.simulator {
-            let simulator = Simulator::new(program.clone(), file, &self.loaded.folder);
+            let simulator = Simulator::new(program.clone(), file, &self.loaded.folder)
+                .with_patience(SIMULATION);
             plan = plan.with_simulator(Arc::new(simulator));
         }
         let labels = self.labels.clone();

@@ -13,7 +13,7 @@ use tokio::time::{Instant, sleep};
 use tokio_util::sync::CancellationToken;
 
 use super::Task;
-use super::pace::{Limits, Reached, SimulatedClock, pace};
+use super::pace::{Reached, SimulatedClock, pace};
 use super::violations::violations;
 use crate::Assembly;
 use crate::start::url_of;
@@ -40,10 +40,6 @@ pub(super) enum Report {
 /// # Errors
 /// Standard input or output is closed. What fails in the simulation is part of the report.
 pub(crate) fn child() -> Result<()> {
-    // Whoever controls real robots beside this goes first.
-    if let Err(error) = rustix::process::nice(5) {
-        tracing::debug!(%error, "the simulation runs at the usual priority");
-    }
     let mut task = Vec::new();
     let _bytes = std::io::stdin().read_to_end(&mut task)?;
     let report = match played(&task) {
@@ -57,6 +53,9 @@ pub(crate) fn child() -> Result<()> {
 
 fn played(task: &[u8]) -> Result<JobSimulation> {
     let task: Task = serde_json::from_slice(task).context("reading the task")?;
+    if let Err(error) = rustix::process::nice(task.limits.nice) {
+        tracing::debug!(%error, "the simulation runs at the usual priority");
+    }
     // One thread, and no other: time passes only when everything has been done.
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_all()
@@ -77,20 +76,16 @@ struct Running {
 
 async fn play(task: Task) -> Result<JobSimulation> {
     let real = std::time::Instant::now();
-    let limits = Limits {
-        wall: task.wall_limit,
-        simulated: task.simulated_limit,
-    };
-    let mut pacing = tokio::spawn(pace(limits));
-    let cell = Running::start(&task).await?;
-    let jobs = cell.client.jobs(&task.cell);
+    let mut pacing = tokio::spawn(pace(task.limits));
     let ready = async {
+        let cell = Running::start(&task).await?;
         cell.until_ready(&task).await?;
         let asked = Instant::now();
+        let jobs = cell.client.jobs(&task.cell);
         let job = jobs.create(&task.job, &Ask::default()).await?;
-        anyhow::Ok((asked, job))
+        anyhow::Ok((cell, asked, job))
     };
-    let (asked, first) = tokio::select! {
+    let (cell, asked, first) = tokio::select! {
         ready = ready => ready?,
         reached = &mut pacing => anyhow::bail!("{:?} time ran out before the job began", reached?),
     };

@@ -30,14 +30,17 @@ use crate::config::File;
 
 use child::Report;
 pub(crate) use child::child;
+use task::Limits;
 pub(crate) use task::Task;
 
 /// How long a simulation may take in real time. What it has found out until then is told.
 const WALL_LIMIT: Duration = Duration::from_secs(30);
 /// How far a simulation may go.
 const SIMULATED_LIMIT: Duration = Duration::from_hours(2);
+/// Whoever controls real robots beside it goes first.
+const NICE: i32 = 5;
 /// How much later than its limit the process is ended by force.
-const PATIENCE: Duration = Duration::from_secs(5);
+const PATIENCE: Duration = Duration::from_secs(10);
 /// The most a process may say: far more than the longest job has to tell.
 const MAX_REPORT: u64 = 64 * 1024 * 1024;
 
@@ -51,6 +54,8 @@ pub(crate) struct Simulator {
     /// How virtual mobile robots drive, by cell and id.
     drives: Arc<BTreeMap<(String, String), PathBuf>>,
     wall_limit: Duration,
+    /// How much the process steps back behind others.
+    nice: i32,
 }
 
 impl Simulator {
@@ -65,7 +70,16 @@ impl Simulator {
             cells: file.cells.clone().into(),
             drives: Arc::new(drives.collect()),
             wall_limit: WALL_LIMIT,
+            nice: NICE,
         }
+    }
+
+    /// With a limit of its own, and no less important than other processes: for a machine that has nothing real to do.
+    #[must_use]
+    pub(crate) fn with_patience(mut self, wall_limit: Duration) -> Self {
+        self.wall_limit = wall_limit;
+        self.nice = 0;
+        self
     }
 
     /// This running program as the simulator.
@@ -89,8 +103,11 @@ impl Simulator {
             &scene,
             &section.robots,
             drive,
-            self.wall_limit,
-            SIMULATED_LIMIT,
+            Limits {
+                wall: self.wall_limit,
+                simulated: SIMULATED_LIMIT,
+                nice: self.nice,
+            },
         )
     }
 

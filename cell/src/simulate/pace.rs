@@ -12,20 +12,15 @@ use server::WallClock;
 use tokio::task::yield_now;
 use tokio::time::{Instant, advance};
 
+use super::task::Limits;
+
 /// What passes at a time. Timers of the runtime have this resolution.
 const STEP: Duration = Duration::from_millis(1);
 /// How often everything that can go on does so within a step. Bytes that are passed on more often than that, from
 /// socket to socket, take a step longer: about what they take between real machines.
 const ROUNDS: usize = 4;
 /// How many steps pass between two looks at the real clock.
-const LOOK: usize = 256;
-
-/// How fast and how far time may go.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Limits {
-    pub(super) wall: Duration,
-    pub(super) simulated: Duration,
-}
+const LOOK: usize = 16;
 
 /// Which limit ended it.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]

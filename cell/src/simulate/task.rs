@@ -27,8 +27,16 @@ pub(crate) struct Task {
     /// What time it is when it begins.
     pub(crate) now: Timestamp,
     pub(crate) assumptions: Vec<String>,
-    pub(crate) wall_limit: Duration,
-    pub(crate) simulated_limit: Duration,
+    pub(crate) limits: Limits,
+}
+
+/// How fast and how far a simulation may go.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+pub(crate) struct Limits {
+    pub(crate) wall: Duration,
+    pub(crate) simulated: Duration,
+    /// How much the process steps back behind others.
+    pub(crate) nice: i32,
 }
 
 impl Task {
@@ -37,8 +45,7 @@ impl Task {
         scene: &Scene,
         robots: &[RobotSection],
         drive: impl Fn(&str) -> Option<PathBuf>,
-        wall_limit: Duration,
-        simulated_limit: Duration,
+        limits: Limits,
     ) -> Result<Self> {
         let mut overrides = Vec::new();
         let (mut sections, mut controllers) = (Vec::new(), Vec::new());
@@ -87,8 +94,7 @@ impl Task {
             job: scene.job.clone(),
             now: scene.now,
             assumptions: scene.assumptions.clone(),
-            wall_limit,
-            simulated_limit,
+            limits,
         })
     }
 }

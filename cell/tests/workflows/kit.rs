@@ -43,14 +43,18 @@ enum Running {
 
 /// The cell's configuration, without its set-up.
 pub(crate) fn config() -> String {
+    config_at(SCALE)
+}
+
+fn config_at(scale: f64) -> String {
     format!(
         "[server]\ndemo = true\nlisten = '127.0.0.1:0'\n\
          [[cells]]\nid = 'demo'\n\
          [[cells.robots]]\nid = 'r1'\nmodel = 'fanuc-m20ia'\ncontroller = 'virtual:vc1'\n\
-         tier = 'cell_server'\ntime_scale = {SCALE:.1}\n\
+         tier = 'cell_server'\ntime_scale = {scale:.1}\n\
          [[virtual_controllers]]\nname = 'vc1'\nmodel = 'fanuc-m20ia'\nruns = 'cell_server'\n\
-         time_scale = {SCALE:.1}\nstart_joints_deg = [90, 0, 0, 0, -90, 0]\n\
-         [[virtual_mobile_robots]]\ncell = 'demo'\nid = 'mr1'\ntime_scale = {SCALE:.1}\n"
+         time_scale = {scale:.1}\nstart_joints_deg = [90, 0, 0, 0, -90, 0]\n\
+         [[virtual_mobile_robots]]\ncell = 'demo'\nid = 'mr1'\ntime_scale = {scale:.1}\n"
     )
 }
 
@@ -82,14 +86,21 @@ impl TestCell {
         cell
     }
 
-    /// The server can simulate jobs.
-    pub(crate) async fn simulating() -> Self {
-        Self::simulating_with(SETUP).await
+    /// The program that simulates for this cell only, so that its processes are told from those of other tests.
+    pub(crate) fn simulator(&self) -> PathBuf {
+        self.folder.path().join("robocell")
     }
 
-    pub(crate) async fn simulating_with(setup: &str) -> Self {
-        let mut cell = Self::dark(setup).await;
-        cell.assembly.simulate_with(env!("CARGO_BIN_EXE_robocell"));
+    /// The server can simulate jobs.
+    pub(crate) async fn simulating() -> Self {
+        Self::simulating_with(SCALE, SETUP).await
+    }
+
+    pub(crate) async fn simulating_with(scale: f64, setup: &str) -> Self {
+        let mut cell = Self::dark_at(scale, setup).await;
+        let program = cell.simulator();
+        std::os::unix::fs::symlink(env!("CARGO_BIN_EXE_robocell"), &program).unwrap();
+        cell.assembly.simulate_with(program);
         cell.start_server().await;
         // A simulation begins where the robots are, so they have to be heard first.
         cell.wait(
@@ -140,7 +151,11 @@ impl TestCell {
 
     /// The world, without a server yet.
     async fn dark(setup: &str) -> Self {
-        let mut assembly = Assembly::start(&config(), setup).await.unwrap();
+        Self::dark_at(SCALE, setup).await
+    }
+
+    async fn dark_at(scale: f64, setup: &str) -> Self {
+        let mut assembly = Assembly::start(&config_at(scale), setup).await.unwrap();
         let folder = tempfile::tempdir().unwrap();
         let listener = StdListener::bind("127.0.0.1:0").unwrap();
         let address = listener.local_addr().unwrap();

@@ -93,7 +93,8 @@ impl Telling {
         };
         let before = permits(&self.cell, &[]);
         for (_, fact) in &chapter.facts {
-            self.cell.replay(fact);
+            // Replayed facts grant no permit; these are of this process, and their effects were carried out.
+            drop(self.cell.apply(at_ms, fact));
             if self.begun {
                 self.note(at_ms, fact);
             }

@@ -18,6 +18,7 @@ use crate::state::{Cell, Robot, RobotLink};
 pub(crate) fn scene(cell: &Cell, job: JobBody, now: Timestamp) -> Result<Scene, Problem> {
     let view = cell.work.view();
     let jobs = view.jobs(cell.work.clock().now());
+    let sessions = view.sessions(cell.work.clock().now());
     let claims = view.claims();
     let mut scene = Scene {
         cell: cell.id.clone(),
@@ -32,7 +33,11 @@ pub(crate) fn scene(cell: &Cell, job: JobBody, now: Timestamp) -> Result<Scene, 
         let claim = claims.iter().find(|claim| claim.resource == *resource)?;
         let number = match claim.by {
             Holder::Job(id) => jobs.iter().find(|job| job.id == id).map(|job| job.number),
-            Holder::Session(_) => None,
+            Holder::Session(id) => sessions
+                .iter()
+                .find(|session| session.id == id)
+                .and_then(|session| jobs.iter().find(|job| job.id == session.job))
+                .map(|job| job.number),
         };
         Some(number.map_or_else(
             || "an open hand-over".to_owned(),
@@ -103,8 +108,15 @@ fn is_open(job: &JobView) -> bool {
     !job.state.is_final()
 }
 
+/// Where the arm was last seen. No motion is counted from here, so it need not be of this moment.
 fn joints(robot: &Robot) -> Result<[f64; 6], String> {
-    robot.actual_joints().map(|joints| joints.degrees())
+    match &robot.link {
+        RobotLink::Seed(_) => robot.actual_joints().map(|joints| joints.degrees()),
+        RobotLink::CellServer(link) => match link.view().status {
+            Some(seen) => Ok(seen.line.joints.degrees().map(|joint| joint.0)),
+            None => Err("its controller was never heard".to_owned()),
+        },
+    }
 }
 
 fn speed_override(robot: &Robot) -> Option<u8> {
