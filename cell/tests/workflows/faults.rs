@@ -391,7 +391,8 @@ pub(crate) async fn heartbeats_stop(which: Which) {
 
 /// The same, and a person takes the job back: the load stays where it was, or goes back there.
 pub(crate) async fn heartbeats_stop_and_the_job_is_taken_back(which: Which) {
-    let run = Run::with_setup(which, SOON_LOST, &[], Value::Null).await;
+    let policy = json!({"on_cancel_with_load": "RETURN_TO_MR"});
+    let run = Run::with_setup(which, SOON_LOST, &[], policy).await;
     run.until_in_zone().await;
     run.fault(Fault::HeartbeatStops { for_s: None }).await;
     let question = run.asked("F12").await;
