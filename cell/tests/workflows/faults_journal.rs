@@ -58,7 +58,7 @@ async fn f24_a_journal_that_cannot_be_written_begins_nothing_and_holds_b() {
     not_writable(Which::Pickup).await;
 }
 
-/// The disk is full in the middle of a job: SQLite's own limit. Nothing begins any more, and nothing is lost: with room
+/// The disk is full in the middle of a job: the store's own limit. Nothing begins any more, and nothing is lost: with room
 /// and a new start the job goes on where it was.
 ///
 /// Covers: F24, D1.
@@ -74,7 +74,7 @@ async fn f24_d1_a_full_disk_in_the_middle_of_a_job_begins_nothing() {
     let turn = AtomicUsize::new(0);
     let (status, said) = cell
         .wait("the disk is full", A_JOB, async |cell| {
-            let even = turn.fetch_add(1, Ordering::Relaxed) % 2 == 0;
+            let even = turn.fetch_add(1, Ordering::Relaxed).is_multiple_of(2);
             let place = if even { "rack/f" } else { "rack/b" };
             let (status, said) = says_where(cell, place).await;
             (!status.is_success()).then_some((status, said))
