@@ -220,7 +220,7 @@ fn registered(line: &str) -> Vec<&str> {
                 .all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
     };
     let names: Vec<&str> = names.split(',').map(str::trim).collect();
-    if names.iter().all(|name| is_name(&name)) {
+    if names.iter().all(is_name) {
         names
     } else {
         Vec::new()

@@ -369,9 +369,12 @@ pub(crate) async fn drives_off(which: Which) {
     run.cell.assert_nothing_twice().await;
 }
 
+/// A silent mobile robot is lost while the arm still works.
+const SOON_LOST: (&str, &str) = ("heartbeat_ms = 15000", "heartbeat_ms = 4000");
+
 /// Its heartbeats stop under the arm: the arm goes out; when they come again, the job goes on by itself.
 pub(crate) async fn heartbeats_stop(which: Which) {
-    let run = Run::start(which).await;
+    let run = Run::with_setup(which, SOON_LOST, &[], Value::Null).await;
     run.until_in_zone().await;
     run.fault(Fault::HeartbeatStops { for_s: None }).await;
     let question = run.asked("F12").await;
@@ -388,7 +391,8 @@ pub(crate) async fn heartbeats_stop(which: Which) {
 
 /// The same, and a person takes the job back: the load stays where it was, or goes back there.
 pub(crate) async fn heartbeats_stop_and_the_job_is_taken_back(which: Which) {
-    let run = Run::start(which).await;
+    let policy = json!({"on_cancel_with_load": "RETURN_TO_MR"});
+    let run = Run::with_setup(which, SOON_LOST, &[], policy).await;
     run.until_in_zone().await;
     run.fault(Fault::HeartbeatStops { for_s: None }).await;
     let question = run.asked("F12").await;

@@ -88,7 +88,10 @@ impl Disk {
     /// Why the journal is not opened.
     pub(crate) async fn refused(&self, path: &Path) -> String {
         let opened = self.try_open(path).await;
-        opened.err().expect("the journal should not be opened")
+        match opened {
+            Ok(_journal) => panic!("the journal should not be opened"),
+            Err(error) => error,
+        }
     }
 
     /// Adds a decision of the cell, as another program would.
@@ -166,7 +169,6 @@ impl Journal for Fickle {
         };
         let mode = self.disk.mode();
         match mode {
-            Mode::Sound => {}
             Mode::Busy => {
                 self.disk.strike();
                 return Err(AppendError::Busy { capacity: 0 });
@@ -178,7 +180,7 @@ impl Journal for Fickle {
                 self.disk.strike();
                 return std::future::pending().await;
             }
-            Mode::StallsBefore(_) | Mode::StallsAfter(_) => {}
+            Mode::Sound | Mode::StallsBefore(_) | Mode::StallsAfter(_) => {}
         }
         self.journal.append(at, record).await
     }

@@ -1,8 +1,10 @@
 //! The journal in the middle of a job: it cannot be written, it is full, it was edited, the power goes at one record.
 
 use std::io::{Read as _, Seek as _, SeekFrom, Write as _};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use karel_emulator::{LedgerEvent, Operation};
+use reqwest::StatusCode;
 use serde_json::{Value, json};
 
 use crate::kit::{A_JOB, TestCell};
@@ -56,7 +58,7 @@ async fn f24_a_journal_that_cannot_be_written_begins_nothing_and_holds_b() {
     not_writable(Which::Pickup).await;
 }
 
-/// The disk is full in the middle of a job: SQLite's own limit. Nothing begins any more, and nothing is lost: with room
+/// The disk is full in the middle of a job: the store's own limit. Nothing begins any more, and nothing is lost: with room
 /// and a new start the job goes on where it was.
 ///
 /// Covers: F24, D1.
@@ -69,11 +71,12 @@ async fn f24_d1_a_full_disk_in_the_middle_of_a_job_begins_nothing() {
     })
     .await;
     // It fills up: a person says again and again where a load is.
-    let location = json!({"at": "FIXED", "place": "rack/b"});
-    let body = json!({"location": location, "confirm": "load-3", "reason": "x".repeat(200)});
+    let turn = AtomicUsize::new(0);
     let (status, said) = cell
         .wait("the disk is full", A_JOB, async |cell| {
-            let (status, said) = cell.put("/loads/load-3/custody", &body).await;
+            let even = turn.fetch_add(1, Ordering::Relaxed).is_multiple_of(2);
+            let place = if even { "rack/f" } else { "rack/b" };
+            let (status, said) = says_where(cell, place).await;
             (!status.is_success()).then_some((status, said))
         })
         .await;
@@ -94,7 +97,15 @@ async fn f24_d1_a_full_disk_in_the_middle_of_a_job_begins_nothing() {
     cell.crash().await;
     let (ended, said) = cell.see_through(&job).await;
     assert_eq!(ended["state"], "COMPLETE", "{ended:#}\n{said:#?}");
+    let (status, said) = says_where(&cell, "rack/b").await;
+    assert!(status.is_success(), "{status} {said}");
     cell.assert_sound().await;
+}
+
+async fn says_where(cell: &TestCell, place: &str) -> (StatusCode, Value) {
+    let location = json!({"at": "FIXED", "place": place});
+    let body = json!({"location": location, "confirm": "load-3", "reason": "x".repeat(200)});
+    cell.put("/loads/load-3/custody", &body).await
 }
 
 /// The power goes when the last step is done and the end of the job is not kept, or when it is kept and nobody heard of

@@ -153,12 +153,12 @@ async fn f05_an_occupied_slot_is_replaced_by_a_free_one_b() {
 /// picked again when the mobile robot is there.
 #[tokio::test(flavor = "multi_thread")]
 async fn f02_a_prefetched_load_is_put_back_and_picked_again_b() {
-    let stuck = Fault::Stuck { for_s: None };
+    let late = Fault::Late { delay_s: 10_000.0 };
     let soon = (
         "arm_silence_ms = 15000",
         "arm_silence_ms = 15000\nhold_ms = 20000",
     );
-    let run = Run::with_setup(B, soon, &[stuck], json!({"prefetch": true})).await;
+    let run = Run::with_setup(B, soon, &[late], json!({"prefetch": true})).await;
     run.until_gripped().await;
     run.cell
         .wait("the load is back in its place", A_JOB, async |cell| {

@@ -29,7 +29,8 @@ pub(crate) const A_JOB: Duration = Duration::from_mins(1);
 /// would be taken for a mobile robot that fell silent.
 pub(crate) const SETUP: &str = concat!(
     include_str!("../../demo.setup.toml"),
-    "\n[timers]\nheartbeat_ms = 15000\narm_silence_ms = 15000\n"
+    "\n[timers]\nheartbeat_ms = 15000\narm_silence_ms = 15000\nmotion_margin_ms = 20000\n",
+    "grip_ms = 15000\nsafe_ms = 15000\n"
 );
 const BASE: &str = "/api/v1/cells/demo";
 

@@ -202,6 +202,7 @@ impl Setup {
             (&mut timers.transport_ms, own.transport_ms),
             (&mut timers.heartbeat_ms, own.heartbeat_ms),
             (&mut timers.arm_silence_ms, own.arm_silence_ms),
+            (&mut timers.motion_margin_ms, own.motion_margin_ms),
         ] {
             if let Some(value) = value {
                 *timer = value;

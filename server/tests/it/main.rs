@@ -30,6 +30,7 @@ mod link_queue;
 mod loads;
 mod mobile_signals;
 mod motions;
+mod other_pages;
 mod refusals;
 mod serving;
 mod setup;

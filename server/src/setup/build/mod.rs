@@ -110,6 +110,7 @@ fn check_timers(faults: &mut Faults, timers: &TimersBody) {
         transport_ms,
         heartbeat_ms,
         arm_silence_ms,
+        motion_margin_ms,
     } = *timers;
     for (name, value) in [
         ("reserve_ms", reserve_ms),
@@ -127,6 +128,7 @@ fn check_timers(faults: &mut Faults, timers: &TimersBody) {
         ("transport_ms", transport_ms),
         ("heartbeat_ms", heartbeat_ms),
         ("arm_silence_ms", arm_silence_ms),
+        ("motion_margin_ms", motion_margin_ms),
     ] {
         if let Some(value) = value.filter(|value| !TIMER_MS.contains(value)) {
             let (min, max) = (TIMER_MS.start(), TIMER_MS.end());
