@@ -75,6 +75,8 @@ pub(crate) enum Runs {
     /// The thesis's socket server (tier `seed`).
     #[default]
     SockServer,
+    /// The same with the status program beside it (tier `seed_status`).
+    SeedStatus,
     /// This project's cell server (tier `cell_server`), with a gripper.
     CellServer,
 }

@@ -178,7 +178,8 @@ pub struct RobotSection {
     pub model: String,
     /// Where the controller's socket server listens, `host:port`.
     pub controller: String,
-    /// What the program on the controller can promise.
+    /// What the program on the controller can promise: `seed`, `seed_status` (with the status program beside it), or
+    /// `cell_server`.
     #[serde(default = "seed_tier")]
     pub tier: api::Tier,
     /// Where the controller's status program listens, `host:port`; `controller` with the next port where absent.

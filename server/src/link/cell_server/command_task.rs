@@ -301,15 +301,7 @@ impl<C: Connector, O: MotionObserver> CommandTask<C, O> {
                 silent_at = None;
             } else if channel.is_none() && silent_at.take().is_some() {
                 // Whether it was taken is not known, and it must not be taken from now on.
-                if is_seed {
-                    let fenced = self.fence_seed(order).await;
-                    follower.unanswered(fenced.is_ok());
-                    if stopped {
-                        follower.stopped(self.halt(order).await);
-                    }
-                } else {
-                    self.fence(order).await;
-                }
+                self.shut_out(order, &mut follower, stopped).await;
                 continue;
             }
             let read = async {
@@ -365,6 +357,20 @@ impl<C: Connector, O: MotionObserver> CommandTask<C, O> {
                     parting = Some(Instant::now() + PARTING);
                 }
                 () = at(parting) => return None,
+            }
+        }
+    }
+
+    /// Sees to it that a command nobody has answered is not taken from now on.
+    async fn shut_out(&self, order: &MotionOrder, follower: &mut Follower<'_>, stopped: bool) {
+        match order.command {
+            Instruction::Numbered(_) => self.fence(order).await,
+            Instruction::Seed(_) => {
+                let fenced = self.fence_seed(order).await;
+                follower.unanswered(fenced.is_ok());
+                if stopped {
+                    follower.stopped(self.halt(order).await);
+                }
             }
         }
     }

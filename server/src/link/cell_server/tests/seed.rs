@@ -44,13 +44,14 @@ fn started(cell: &Harness) -> usize {
 }
 
 fn doubt(end: &MotionEnd) -> (&LinkError, f64) {
-    match end {
-        MotionEnd::InDoubt {
-            error,
-            status: Some(status),
-        } => (error, x_of(&status.pose)),
-        other => panic!("{other:?}"),
-    }
+    let MotionEnd::InDoubt {
+        error,
+        status: Some(status),
+    } = end
+    else {
+        panic!("no doubt: {end:?}");
+    };
+    (error, x_of(&status.pose))
 }
 
 #[tokio::test(start_paused = true)]
