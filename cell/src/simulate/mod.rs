@@ -91,7 +91,7 @@ impl Simulator {
         Ok(Self::new(program, file, folder))
     }
 
-    fn task(&self, scene: Scene) -> Result<Task> {
+    fn task(&self, scene: &Scene) -> Result<Task> {
         let Some(section) = self.cells.iter().find(|cell| cell.id == scene.cell) else {
             bail!("cell `{}` is not in the configuration", scene.cell);
         };
@@ -100,7 +100,7 @@ impl Simulator {
             self.drives.get(&key).cloned()
         };
         Task::of(
-            &scene,
+            scene,
             &section.robots,
             drive,
             Limits {
@@ -112,7 +112,7 @@ impl Simulator {
     }
 
     async fn play(self, scene: Scene) -> Result<Box<api::JobSimulation>> {
-        let task = serde_json::to_vec(&self.task(scene)?)?;
+        let task = serde_json::to_vec(&self.task(&scene)?)?;
         let mut process = Command::new(&self.program)
             .arg("--simulate")
             .stdin(Stdio::piped())

@@ -6,7 +6,7 @@ use karel_emulator::LedgerEvent as ArmEvent;
 use mobile_emulator::LedgerEvent as MobileEvent;
 
 use crate::Assembly;
-use crate::world::PartAt;
+use crate::world::{PartAt, World};
 
 /// Everything that must not happen and did. `offset_ms` is when the job began, on the emulators' clocks.
 pub(super) async fn violations(
@@ -51,7 +51,7 @@ pub(super) async fn violations(
             });
         }
     }
-    let truly = plant.world(cell).map(|world| world.parts());
+    let truly = plant.world(cell).map(World::parts);
     for (part, at) in truly.unwrap_or_default() {
         let load = booked.iter().find(|load| load.id == part);
         let text = match (&at, load) {

@@ -165,7 +165,6 @@ impl World {
     fn signal(&mut self, kind: SignalKind, session: Option<Uuid>) -> Signal {
         self.seq += 1;
         Signal {
-            resync: false,
             mobile_robot: "mr1".to_owned(),
             session,
             boot: 1,
