@@ -48,16 +48,12 @@ async fn nothing_twice(plant: &LoadedPlant) -> usize {
             assert!(ended_badly.is_empty(), "{name}: {ended_badly:#?}");
             let mut held: Option<&str> = None;
             for entry in &ledger {
-                match entry.event {
-                    LedgerEvent::Gripped => {
-                        assert_eq!(held, None, "{name}: {entry:?}");
-                        held = entry.part.as_deref();
-                    }
-                    LedgerEvent::Released => {
-                        assert_eq!(held, entry.part.as_deref(), "{name}: {entry:?}");
-                        held = None;
-                    }
-                    _ => {}
+                if entry.event == LedgerEvent::Gripped {
+                    assert_eq!(held, None, "{name}: {entry:?}");
+                    held = entry.part.as_deref();
+                } else if entry.event == LedgerEvent::Released {
+                    assert_eq!(held, entry.part.as_deref(), "{name}: {entry:?}");
+                    held = None;
                 }
             }
             assert_eq!(held, None, "{name}: its gripper is empty at the end");
@@ -93,23 +89,20 @@ async fn loads_are_where_they_are_said_to_be(plant: &LoadedPlant, done: &Done) {
         for (_, load, place) in mine {
             let at = &parts[load];
             let shown = said.iter().find(|one| one["id"] == **load);
-            match place {
-                Some(place) => {
-                    assert_eq!(*at, PartAt::Place(place.clone()), "{load}");
-                    let shown = shown.unwrap_or_else(|| panic!("{load} is not listed"));
-                    assert_eq!(
-                        shown["location"],
-                        json!({"at": "FIXED", "place": place}),
-                        "{load}"
-                    );
-                }
-                None => {
-                    assert!(matches!(at, PartAt::Away(_)), "{load} is {at:?}");
-                    // The oldest that have left may be forgotten.
-                    if let Some(shown) = shown {
-                        assert_eq!(shown["location"]["at"], "DELIVERED", "{load}");
-                    }
-                }
+            if let Some(place) = place {
+                assert_eq!(*at, PartAt::Place(place.clone()), "{load}");
+                let shown = shown.unwrap_or_else(|| panic!("{load} is not listed"));
+                assert_eq!(
+                    shown["location"],
+                    json!({"at": "FIXED", "place": place}),
+                    "{load}"
+                );
+                continue;
+            }
+            assert!(matches!(at, PartAt::Away(_)), "{load} is {at:?}");
+            // The oldest that have left may be forgotten.
+            if let Some(shown) = shown {
+                assert_eq!(shown["location"]["at"], "DELIVERED", "{load}");
             }
         }
         for shown in said {

@@ -90,7 +90,7 @@ async fn answer_to(plant: &LoadedPlant, cell: usize, question: &Value) -> Option
             // It is looked at again when it stands.
             GripperPosition::Closing | GripperPosition::Opening => return None,
             GripperPosition::Open => opens,
-            _ => closes && gripper.part.is_some(),
+            GripperPosition::Closed => closes && gripper.part.is_some(),
         };
         return Some(with(if happened {
             "happened"

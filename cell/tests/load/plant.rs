@@ -1,5 +1,6 @@
 //! The virtual world in this process, and the server as a process before it.
 
+use std::fmt::Write as _;
 use std::net::{SocketAddr, TcpListener};
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -185,9 +186,12 @@ impl LoadedPlant {
             }
             let ended = self.0.server.lock().unwrap().try_wait().unwrap();
             assert!(ended.is_none(), "the server ended: {ended:?}");
-            if Instant::now() >= until {
-                panic!("timed out waiting for {what}: {}", self.story().await);
-            }
+            let late = Instant::now() >= until;
+            assert!(
+                !late,
+                "timed out waiting for {what}: {}",
+                self.story().await
+            );
             tokio::time::sleep(Duration::from_millis(20)).await;
         }
     }
@@ -204,7 +208,8 @@ impl LoadedPlant {
             ] {
                 let found = self.try_get(&format!("{base}/{part}")).await;
                 let found = found.map(|value| serde_json::to_string(&value).unwrap());
-                story.push_str(&format!("\n{base}/{part}: {}", found.unwrap_or_default()));
+                // Writing to a string cannot fail.
+                let _ = write!(story, "\n{base}/{part}: {}", found.unwrap_or_default());
             }
         }
         story

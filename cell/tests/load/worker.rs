@@ -90,11 +90,11 @@ impl Worker {
         let from = 1 - to;
         let count = 1 + self.below(SLOTS.len());
         let mut brought = Vec::new();
-        for slot in 0..count {
+        for slot in &SLOTS[..count] {
             self.crates += 1;
             let load = format!("crate-{}-{}", self.mobile + 1, self.crates);
             let robot = self.plant.mobile_robot(self.cell, self.mobile);
-            robot.put(SLOTS[slot], &load).await.unwrap();
+            robot.put(slot, &load).await.unwrap();
             brought.push(load);
         }
         let delivery = self.ask("delivery-and-placement", to, count).await;

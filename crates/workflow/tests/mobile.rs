@@ -5,6 +5,8 @@
     clippy::indexing_slicing,
     clippy::panic,
     clippy::wildcard_enum_match_arm,
+    clippy::cast_possible_truncation,
+    clippy::struct_excessive_bools,
     reason = "a test stops where it is wrong"
 )]
 
@@ -586,7 +588,7 @@ fn an_instant_action_does_not_interfere_with_a_job() {
         "{refused:?}"
     );
     assert!(w.run(60_000, |w| !w.arm_inside(&w.arms["r1"])));
-    assert!(w.run(60_000, |w| instant_ends(w)));
+    assert!(w.run(60_000, instant_ends));
     let _reply = instant(&mut w, InstantAction::StopPause).unwrap();
     w.complete(job);
     let acted = w
