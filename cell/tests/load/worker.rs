@@ -90,6 +90,7 @@ impl Worker {
         let from = 1 - to;
         let count = 1 + self.below(SLOTS.len());
         let mut brought = Vec::new();
+        self.stands_free().await;
         for slot in &SLOTS[..count] {
             self.crates += 1;
             let load = format!("crate-{}-{}", self.mobile + 1, self.crates);
@@ -115,6 +116,13 @@ impl Worker {
             let gone = taken.into_iter().map(|load| (self.cell, load, None));
             self.done.crates.extend(gone);
         }
+    }
+
+    /// The mobile robot has ended its way out, so that somebody can put crates into its slots.
+    async fn stands_free(&self) {
+        let mut state = self.plant.mobile_robot(self.cell, self.mobile).subscribe();
+        let stands = state.wait_for(|state| !state.driving && state.order.is_none());
+        drop(stands.await.unwrap());
     }
 
     async fn ask(&mut self, workflow: &str, arm: usize, count: usize) -> String {

@@ -375,6 +375,7 @@ const SOON_LOST: (&str, &str) = ("heartbeat_ms = 15000", "heartbeat_ms = 4000");
 /// Its heartbeats stop under the arm: the arm goes out; when they come again, the job goes on by itself.
 pub(crate) async fn heartbeats_stop(which: Which) {
     let run = Run::with_setup(which, SOON_LOST, &[], Value::Null).await;
+    run.slowly().await;
     run.until_in_zone().await;
     run.fault(Fault::HeartbeatStops { for_s: None }).await;
     let question = run.asked("F12").await;
@@ -393,6 +394,7 @@ pub(crate) async fn heartbeats_stop(which: Which) {
 pub(crate) async fn heartbeats_stop_and_the_job_is_taken_back(which: Which) {
     let policy = json!({"on_cancel_with_load": "RETURN_TO_MR"});
     let run = Run::with_setup(which, SOON_LOST, &[], policy).await;
+    run.slowly().await;
     run.until_in_zone().await;
     run.fault(Fault::HeartbeatStops { for_s: None }).await;
     let question = run.asked("F12").await;

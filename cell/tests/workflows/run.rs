@@ -145,6 +145,11 @@ impl Run {
         self.cell.wires.as_ref().expect("lines that can be cut")
     }
 
+    /// The arm moves so slowly that it is in the zone for longer than a mobile robot may be silent.
+    pub(crate) async fn slowly(&self) {
+        self.cell.controller().set_override(20).await.unwrap();
+    }
+
     pub(crate) fn load(&self) -> &'static str {
         self.which.load()
     }

@@ -255,8 +255,8 @@ async fn a_load_in_a_gripper_or_lost_is_named() {
     })
     .await;
     let (status, problem) = cell.post(SIMULATE, &delivery("rack/e")).await;
-    assert_eq!(status, StatusCode::CONFLICT, "{problem}");
-    assert_eq!(problem["code"], "custody-conflict");
+    assert_eq!(status, StatusCode::UNPROCESSABLE_ENTITY, "{problem}");
+    assert_eq!(problem["code"], "validation");
     assert!(problem["detail"].as_str().unwrap().contains("load-1"));
     let lose = cell.controller().operate(Operation::LosePart).await;
     lose.unwrap();

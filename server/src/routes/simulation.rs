@@ -33,7 +33,7 @@ const SOON: Duration = Duration::from_secs(5);
     responses(
         (status = 200, description = "What became of it.", body = JobSimulation),
         (status = 400, description = "`invalid-json`.", body = api::Problem, content_type = "application/problem+json"),
-        (status = 409, description = "`custody-unknown`: nobody knows where a load is. `custody-conflict`: a load that the job names is in a gripper now.",
+        (status = 409, description = "`custody-unknown`: nobody knows where a load is.",
             body = api::Problem, content_type = "application/problem+json"),
         (status = 422, description = "`validation`: an item does not fit the set-up, or where the loads are.",
             body = api::Problem, content_type = "application/problem+json"),

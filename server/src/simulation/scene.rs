@@ -13,8 +13,7 @@ use crate::state::{Cell, Robot, RobotLink};
 /// The scene of a cell now. What other jobs are at is left out of it, and the scene says so.
 ///
 /// # Errors
-/// `custody-unknown` where nobody knows where a load is; `custody-conflict` where the job itself names a load that
-/// another job has in a gripper.
+/// `custody-unknown` where nobody knows where a load is.
 pub(crate) fn scene(cell: &Cell, job: JobBody, now: Timestamp) -> Result<Scene, Problem> {
     let view = cell.work.view();
     let jobs = view.jobs(cell.work.clock().now());
@@ -168,15 +167,7 @@ fn loads(scene: &mut Scene, custody: &[LoadView]) -> Result<(), Problem> {
                 body.destination = Some(id);
             }
             Location::Gripper { arm } => {
-                let mut items = scene.job.params.items.iter();
-                if items.any(|item| item.load_id.as_deref() == Some(&*load.id)) {
-                    let detail = format!(
-                        "`{}` is in the gripper of `{arm}` now: a job that moves it can be simulated when it was put \
-                         down",
-                        load.id
-                    );
-                    return Err(Problem::not_sent(ProblemCode::CustodyConflict, detail).retryable());
-                }
+                // A job that names it was refused before.
                 scene.assumptions.push(format!(
                     "{} is in the gripper of {arm}: it is left out",
                     load.id
