@@ -42,6 +42,9 @@ pub struct Cli {
     /// Read and check the configuration, and start nothing.
     #[arg(long, conflicts_with = "supervised")]
     pub(crate) check: bool,
+    /// Play the job on standard input in virtual time, and write what became of it.
+    #[arg(long, hide = true)]
+    pub(crate) simulate: bool,
     /// Where the virtual controllers of a supervising process are, as JSON.
     #[arg(long, hide = true, value_name = "JSON")]
     pub(crate) parts_at: Option<String>,

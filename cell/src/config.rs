@@ -48,6 +48,8 @@ pub(crate) struct VirtualMobileRobotSection {
     pub(crate) id: String,
     /// How it drives, docks and fails: a file of `mobile-emulator`, relative to the configuration file.
     pub(crate) config: Option<PathBuf>,
+    /// Where it stands at the start, in the cell frame; at its home where absent.
+    pub(crate) start: Option<StartSection>,
     /// Where its page and state view listen, a loopback `address:port`; none where absent.
     pub(crate) view: Option<String>,
     /// Its token, in a file of its own; needed where the server asks for tokens.
@@ -57,6 +59,15 @@ pub(crate) struct VirtualMobileRobotSection {
     pub(crate) time_scale: f64,
 }
 
+/// Where a mobile robot stands at the start.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct StartSection {
+    pub(crate) x_mm: f64,
+    pub(crate) y_mm: f64,
+    pub(crate) heading_deg: f64,
+}
+
 /// The programs a virtual controller runs.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Eq, PartialEq)]
 #[serde(rename_all = "snake_case")]
@@ -64,6 +75,8 @@ pub(crate) enum Runs {
     /// The thesis's socket server (tier `seed`).
     #[default]
     SockServer,
+    /// The same with the status program beside it (tier `seed_status`).
+    SeedStatus,
     /// This project's cell server (tier `cell_server`), with a gripper.
     CellServer,
 }

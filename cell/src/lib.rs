@@ -11,6 +11,7 @@ mod cli;
 mod config;
 mod mobile_robots;
 mod plant;
+mod simulate;
 mod start;
 mod supervise;
 mod virtual_controllers;

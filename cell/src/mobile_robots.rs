@@ -64,6 +64,13 @@ pub(crate) fn prepare(
         None => MobileConfig::default(),
     };
     take_setup(&mut config, robot, setup);
+    if let Some(start) = section.start {
+        config.start = FloorPoseBody {
+            x_mm: start.x_mm,
+            y_mm: start.y_mm,
+            heading_deg: start.heading_deg,
+        };
+    }
     if let Some(view) = &section.view {
         let address = view
             .parse()

@@ -14,6 +14,7 @@ use tokio_util::sync::CancellationToken;
 
 use crate::config::{self, Loaded};
 use crate::plant::{ControllerAt, Prepared};
+use crate::simulate::{self, Simulator};
 use crate::{Cli, access, banner, supervise, virtual_controllers};
 
 /// Runs until it is told to stop.
@@ -21,6 +22,9 @@ use crate::{Cli, access, banner, supervise, virtual_controllers};
 /// # Errors
 /// Whatever keeps a part from starting; the message names the file and key, the port, or the program.
 pub fn start(cli: &Cli) -> Result<()> {
+    if cli.simulate {
+        return simulate::child();
+    }
     let mut loaded = config::load(cli.config.as_deref())?;
     if let Some(listen) = &cli.listen {
         loaded.file.server.listen.clone_from(listen);
@@ -105,7 +109,10 @@ async fn serve(
     // Once nothing can fail any more that a second start would repair: the token is shown this once.
     let access =
         access::open(&file, &folder, new_admin_token).with_context(|| format!("in {name}"))?;
-    let plan = plan.with_identity(access.identity)?;
+    let simulator = Simulator::of_this_program(&file, &folder)?;
+    let plan = plan
+        .with_identity(access.identity)?
+        .with_simulator(Arc::new(simulator));
     let address = listener.local_addr()?;
     if let Some(plant) = &mut plant {
         plant.start_mobile_robots(&url_of(address))?;

@@ -79,7 +79,7 @@ pub(crate) fn prepare_all(
             key,
             name: section.name.clone(),
             robot_port: section.robot_port,
-            status_port: (section.runs == Runs::CellServer && section.programs.is_empty())
+            status_port: (section.runs != Runs::SockServer && section.programs.is_empty())
                 .then_some(STATUS_PORT),
             config,
             clock,
@@ -133,7 +133,10 @@ fn prepare(
     let mut config = match section.runs {
         Runs::CellServer if runs_ours => ControllerConfig::cell_server(&*section.name, model)
             .with_gripper(GripperConfig::default()),
-        Runs::CellServer | Runs::SockServer => ControllerConfig::new(&*section.name, model),
+        Runs::SeedStatus if runs_ours => ControllerConfig::seed_status(&*section.name, model),
+        Runs::CellServer | Runs::SeedStatus | Runs::SockServer => {
+            ControllerConfig::new(&*section.name, model)
+        }
     };
     for path in &section.programs {
         let path = folder.join(path);

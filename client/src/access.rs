@@ -1,9 +1,9 @@
 //! Who is asking, and the tokens of the server.
 
-use api::{Me, NewToken, RotateBody, TokenBody, TokenInfo, TokenList};
+use api::{AuditList, Me, NewToken, RotateBody, TokenBody, TokenInfo, TokenList};
 
 use crate::http::{Effect, Exchange};
-use crate::{Client, ClientError};
+use crate::{Client, ClientError, Page};
 
 impl Client {
     /// Who the server takes this client for.
@@ -13,6 +13,16 @@ impl Client {
     pub async fn me(&self) -> Result<Me, ClientError> {
         let path = ["api", "v1", "me"];
         self.http.get(&path, Effect::Question).json().await
+    }
+
+    /// A page of who did what in a cell, the newest first. For integrators and admins.
+    ///
+    /// # Errors
+    /// A problem `forbidden` for anybody else, `not-found` if there is no such cell; else as all calls.
+    pub async fn audit(&self, cell: &str, page: &Page) -> Result<AuditList, ClientError> {
+        let path = ["api", "v1", "cells", cell, "audit"];
+        let exchange = self.http.get(&path, Effect::Question);
+        exchange.query(page).json().await
     }
 
     /// Every token, newest first. For admins.

@@ -2,7 +2,7 @@
 
 use api::{
     CellState, CustodyBody, Job, JobBody, JobCommandBody, JobEventList, JobList, JobReport,
-    JobState, Load, LoadDetail, LoadList, Session, SessionList,
+    JobSimulation, JobState, Load, LoadDetail, LoadList, Session, SessionList,
 };
 use uuid::Uuid;
 
@@ -46,6 +46,23 @@ impl Jobs {
         self.http
             .post(&self.path(&["jobs"]), effect)
             .header(KEY, &ask.key())
+            .body(body)
+            .json()
+            .await
+    }
+
+    /// Plays a whole job in virtual time, from where the cell is now. Nothing of the cell changes.
+    ///
+    /// It takes some seconds, at most about 30.
+    ///
+    /// # Errors
+    /// A problem `validation` as [`Jobs::create`]; `simulator-busy` while another one runs; `simulator-missing`;
+    /// `custody-unknown`; else as all calls.
+    pub async fn simulate(&self, body: &JobBody) -> Result<JobSimulation, ClientError> {
+        // It moves nothing, but is answered as late as a command may be.
+        let effect = Effect::Command(self.http.timeouts.command);
+        self.http
+            .post(&self.path(&["jobs", "simulate"]), effect)
             .body(body)
             .json()
             .await

@@ -68,7 +68,7 @@ pub use error::ClientError;
 pub use events::{EventStream, Told};
 pub use http::Timeouts;
 pub use jobs::Jobs;
-pub use mobile::MobileRobotClient;
+pub use mobile::{MobileRobotClient, SignalGap};
 pub use panel::{
     Alarm, EmulatorJoints, EmulatorState, JointLimit, LedgerEntry, LedgerEvent, Log, Tag, Task,
 };

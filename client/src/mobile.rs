@@ -1,9 +1,13 @@
 use std::time::Duration;
 
-use api::{MobileRobotState, MobileRobotSummary, Outbox, OutboxQuery, SignalAnswer, SignalBody};
+use api::{
+    InstantActionAnswer, InstantActionBody, MobileRobotState, MobileRobotSummary, Outbox,
+    OutboxQuery, ProblemCode, SignalAnswer, SignalBody,
+};
 
 use crate::http::{Effect, Exchange, Http};
-use crate::{Client, ClientError};
+use crate::robot::KEY;
+use crate::{Ask, Client, ClientError};
 
 /// One mobile robot of one cell, from the robot's side and from an onlooker's. Cheap to clone.
 #[derive(Clone, Debug)]
@@ -11,6 +15,33 @@ pub struct MobileRobotClient {
     http: Http,
     cell: String,
     id: String,
+}
+
+/// The cell wants a number that the robot does not send: more than one signal before it is missing.
+///
+/// Its number was not used up. A robot that still has the missing signals sends them, from `expected`. One that has lost
+/// them for ever sends an `MR_HEARTBEAT` with `resync`, under its next number, and then whatever still is to be said
+/// under numbers of its own: a number that was given up is not acted on any more.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub struct SignalGap {
+    /// The number the cell waits for.
+    pub expected: u64,
+}
+
+impl SignalGap {
+    /// The gap that an answer to a signal tells of, if it does.
+    #[must_use]
+    pub fn of(error: &ClientError) -> Option<Self> {
+        let problem = error.problem()?;
+        if problem.code != ProblemCode::HandoverConflict {
+            return None;
+        }
+        let mut violations = problem.violations.iter();
+        let found = violations.find(|violation| violation.item == "expected.seq")?;
+        Some(Self {
+            expected: found.message.parse().ok()?,
+        })
+    }
 }
 
 impl Client {
@@ -60,13 +91,32 @@ impl MobileRobotClient {
     /// Where a signal came before its predecessor the answer says `parked`, and the predecessor is still wanted.
     ///
     /// # Errors
-    /// A problem `handover-conflict` (409) if the signal is not legal now, `session-closed` (410) if its hand-over
+    /// A problem `handover-conflict` (409) if the signal is not legal now (or [`SignalGap`]), `session-closed` (410) if its hand-over
     /// is over; else as all calls.
     pub async fn post_signal(&self, signal: &SignalBody) -> Result<SignalAnswer, ClientError> {
         let timeout = self.http.timeouts.question;
         self.http
             .post(&self.path(&["signals"]), Effect::Command(timeout))
             .body(signal)
+            .json()
+            .await
+    }
+
+    /// Has the robot do something at once. Asked again with the same key, nothing is done a second time.
+    ///
+    /// # Errors
+    /// Problems `handover-conflict` (409) if it would interfere with a job, `interlock-violation` (409) if an arm may be
+    /// in the way; else as all calls.
+    pub async fn instant_action(
+        &self,
+        body: &InstantActionBody,
+        ask: &Ask,
+    ) -> Result<InstantActionAnswer, ClientError> {
+        let timeout = self.http.timeouts.command;
+        self.http
+            .post(&self.path(&["instant-actions"]), Effect::Command(timeout))
+            .header(KEY, &ask.key())
+            .body(body)
             .json()
             .await
     }

@@ -41,6 +41,21 @@ const INCLUDES: &[(&str, &str)] = &[
         "include/cell_wire.kl",
         include_str!("../../programs/include/cell_wire.kl"),
     ),
+    (
+        "include/cell_look.kl",
+        include_str!("../../programs/include/cell_look.kl"),
+    ),
+];
+
+const SEED_PROGRAMS: &[(&str, &str)] = &[
+    (
+        "sock_server.kl",
+        include_str!("../../programs/sock_server.kl"),
+    ),
+    (
+        "seed_status.kl",
+        include_str!("../../programs/seed_status.kl"),
+    ),
 ];
 
 impl ControllerConfig {
@@ -48,17 +63,35 @@ impl ControllerConfig {
     /// (tag S4), each on a free port of this machine; see [`crate::VirtualController::address_of_port`].
     #[must_use]
     pub fn cell_server(name: impl Into<String>, model: &ArmModel) -> Self {
-        let mut config = Self::new(name, model)
-            .with_port(COMMAND_PORT, 0)
-            .with_port(STATUS_PORT, 0);
-        for (name, text) in PROGRAMS {
-            config = config.with_program(ProgramSource::new(*name, *text));
-        }
-        for (name, text) in INCLUDES {
-            config = config.with_include(ProgramSource::new(*name, *text));
-        }
+        let mut config = two_ports(name, model, PROGRAMS);
         config.run = vec!["CELL_SERVER".to_owned()];
         config.command_registers = Some(COMMAND_REGISTERS);
         config
     }
+
+    /// A controller of `model` that runs the pose server, on port 59002 (tag S3), and the status program beside it, on
+    /// port 59003 (tag S4), each on a free port of this machine.
+    #[must_use]
+    pub fn seed_status(name: impl Into<String>, model: &ArmModel) -> Self {
+        let mut config = two_ports(name, model, SEED_PROGRAMS);
+        config.run = vec!["SEED_STATUS".to_owned()];
+        config
+    }
+}
+
+fn two_ports(
+    name: impl Into<String>,
+    model: &ArmModel,
+    programs: &[(&str, &str)],
+) -> ControllerConfig {
+    let mut config = ControllerConfig::new(name, model)
+        .with_port(COMMAND_PORT, 0)
+        .with_port(STATUS_PORT, 0);
+    for (name, text) in programs {
+        config = config.with_program(ProgramSource::new(*name, *text));
+    }
+    for (name, text) in INCLUDES {
+        config = config.with_include(ProgramSource::new(*name, *text));
+    }
+    config
 }

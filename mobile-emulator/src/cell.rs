@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use api::{OutboxMessage, OutboxQuery, SignalBody};
-use client::{Client, ClientError, MobileRobotClient, Timeouts};
+use client::{Client, ClientError, MobileRobotClient, SignalGap, Timeouts};
 
 use crate::outbound::SendOutcome;
 
@@ -77,6 +77,9 @@ pub(crate) async fn poll(
 
 /// Whether an error is the cell's answer to the signal, or a reason to send it again.
 fn refused(error: &ClientError) -> SendOutcome {
+    if let Some(SignalGap { expected }) = SignalGap::of(error) {
+        return SendOutcome::Gap { expected };
+    }
     let reason = sentence(error);
     let answer = match error {
         ClientError::Problem(problem) => problem.code.as_str().to_owned(),

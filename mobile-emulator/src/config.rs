@@ -45,6 +45,8 @@ pub struct MobileConfig {
     pub battery: BatterySection,
     /// How it talks to the cell.
     pub link: LinkSection,
+    /// It sees what lies in its slots. Without, it tells of no loads at all, which is not the same as telling of none.
+    pub detects_loads: bool,
     /// Its load slots, at most 64.
     pub slots: Vec<SlotSection>,
     /// The places of its own map, at most 1000.
@@ -319,6 +321,7 @@ impl Default for MobileConfig {
             localization: LocalizationSection::default(),
             battery: BatterySection::default(),
             link: LinkSection::default(),
+            detects_loads: true,
             slots: Vec::new(),
             points: Vec::new(),
             obstacles: Vec::new(),

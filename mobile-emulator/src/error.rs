@@ -112,6 +112,14 @@ pub enum Refusal {
         /// What came.
         got: u64,
     },
+    /// It does not drive there by itself.
+    #[error("it does not drive to `{point}`: {reason}")]
+    NoVisit {
+        /// The point.
+        point: String,
+        /// Why.
+        reason: String,
+    },
     /// The robot has no power.
     #[error("the robot is down")]
     Down,

@@ -116,6 +116,8 @@ pub enum LedgerEvent {
         seq: u64,
         reason: String,
     },
+    /// The cell waited for a number that is lost: the robot says so, and counts on.
+    Resynchronized { boot: u64, expected: u64 },
     /// A fault took a signal, or a transmission of it.
     SignalLost {
         signal: SignalName,
@@ -167,6 +169,8 @@ pub enum Purpose {
     Leave,
     /// To the destination.
     Deliver,
+    /// To a point, without an order.
+    Visit,
 }
 
 /// Why it stands.

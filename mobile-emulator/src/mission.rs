@@ -132,6 +132,17 @@ impl Mission {
             (None, None) => Zone::around(&order.dock, plan.default_zone_mm)?,
         };
         let destination = destination(plan, &order)?;
+        // What is taken off where there is no arm needs no hand-over: the whole order is its last leg.
+        let transport = order.unload.is_some() && order.then_to.is_none();
+        let destination = if transport {
+            Some(Destination {
+                name: order.goal.clone(),
+                pose: dock,
+                unload: place.and_then(|place| place.unload),
+            })
+        } else {
+            destination
+        };
         let last = match order.route.last() {
             Some(RoutePointBody { x_mm, y_mm, .. }) => pose_of(&FloorPoseBody {
                 x_mm: *x_mm,
@@ -143,8 +154,12 @@ impl Mission {
         };
         Ok(Self {
             approach: before(dock, last, plan.standoff_mm),
-            phase: Phase::Approach,
-            session,
+            phase: if transport {
+                Phase::Delivering
+            } else {
+                Phase::Approach
+            },
+            session: session.filter(|_| !transport),
             from,
             dock,
             ordered_dock,
@@ -154,7 +169,7 @@ impl Mission {
             permit: false,
             exit: false,
             arrived_told: false,
-            clear_told: false,
+            clear_told: transport,
             aborted: None,
             docked_at: None,
             runaway: false,

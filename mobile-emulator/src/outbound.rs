@@ -23,6 +23,11 @@ pub(crate) enum SendOutcome {
         /// `accepted`, `duplicate`, `parked`, or the code of the problem.
         answer: String,
     },
+    /// It waits for an earlier number, which this robot has lost.
+    Gap {
+        /// That number.
+        expected: u64,
+    },
     /// It did not, or answered that it cannot.
     Unanswered {
         /// Why.
@@ -51,6 +56,7 @@ struct Pending {
     session: Option<Uuid>,
     at: Timestamp,
     data: SignalData,
+    resync: bool,
     seq: Option<u64>,
     attempts: u32,
     not_before: Duration,
@@ -115,7 +121,7 @@ impl Outbound {
             // A heartbeat tells of now; one that waits unsent is replaced.
             let waiting = self.queue.iter_mut().skip(usize::from(self.in_flight));
             for pending in waiting {
-                if pending.name == name && pending.seq.is_none() {
+                if pending.name == name && pending.seq.is_none() && !pending.resync {
                     pending.at = at;
                     pending.session = session;
                     pending.data = data;
@@ -132,6 +138,7 @@ impl Outbound {
             session,
             at,
             data,
+            resync: false,
             seq: None,
             attempts: 0,
             not_before: now.saturating_add(delay),
@@ -189,6 +196,7 @@ impl Outbound {
                 seq: seq?,
                 boot,
                 signal: head.name,
+                resync: head.resync,
                 at: head.at,
                 data: head.data.clone(),
             },
@@ -217,6 +225,26 @@ impl Outbound {
             .saturating_sub(u32::from(answered));
         head.not_before = now.saturating_add(backoff.after(head.attempts));
         false
+    }
+
+    /// The cell waits for a signal that does not exist any more: a heartbeat says so, under a number of its own. What
+    /// waits comes after it, also under new numbers, because those it had are given up.
+    pub(crate) fn resync(&mut self, at: Timestamp, now: Duration, data: SignalData) {
+        self.in_flight = false;
+        for pending in &mut self.queue {
+            pending.seq = None;
+        }
+        self.queue.push_front(Pending {
+            name: SignalName::MrHeartbeat,
+            session: None,
+            at,
+            data,
+            resync: true,
+            seq: None,
+            attempts: 0,
+            not_before: now,
+            trouble: Trouble::default(),
+        });
     }
 
     /// When something is to be sent, if nothing is on its way.

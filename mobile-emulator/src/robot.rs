@@ -164,6 +164,15 @@ impl MobileRobot {
         self.ask(|answer| Command::Take { slot, answer }).await?
     }
 
+    /// Sends it up to a point of its map, without an order of the cell. There it tells `MR_ARRIVED`.
+    ///
+    /// # Errors
+    /// It works on an order, does not know the point or a way there, has no power; or it stopped.
+    pub async fn visit(&self, point: &str) -> Result<(), Refusal> {
+        let point = point.to_owned();
+        self.ask(|answer| Command::Visit { point, answer }).await?
+    }
+
     /// Makes something go wrong. The number of the fault; 0 if it already happened.
     ///
     /// # Errors

@@ -358,7 +358,10 @@ async fn a_crash_forgets_the_order_and_the_permit_and_keeps_the_loads() {
     scene.advance(3.0).await;
     let beat = scene.cell.last();
     assert_eq!((beat.boot, beat.data.order), (2, None));
-    assert_eq!(beat.data.loads[0].load.as_deref(), Some("box-1"));
+    assert_eq!(
+        beat.data.loads.as_ref().unwrap()[0].load.as_deref(),
+        Some("box-1")
+    );
     let first = scene.cell.arrived().into_iter().find(|one| one.boot == 2);
     assert_eq!(first.unwrap().seq, 1);
     assert_eq!(scene.robot.pose().await.unwrap(), before);
@@ -429,7 +432,15 @@ async fn loads_can_be_missing_wrong_extra_or_misreported() {
         let scene = Scene::new().await;
         set(&scene, fault.clone()).await;
         scene.until_ready(order()).await;
-        let told = scene.cell.taken().last().unwrap().data.loads.clone();
+        let told = scene
+            .cell
+            .taken()
+            .last()
+            .unwrap()
+            .data
+            .loads
+            .clone()
+            .unwrap();
         let told: Vec<Option<&str>> = told.iter().map(|one| one.load.as_deref()).collect();
         assert_eq!(told, wanted, "{fault:?}");
         let truth = scene.robot.slots().await.unwrap();

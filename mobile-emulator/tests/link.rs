@@ -335,9 +335,12 @@ async fn a_cancelled_order_ends_outside_of_the_zone() {
     scene.tell(MobileMessage::CancelOrder { order: id });
     scene.advance(20.0).await;
     assert_eq!(scene.robot.pose().await.unwrap(), before);
-    assert_eq!(scene.cell.last().data.order, None);
+    // It is over when it has ended, and not before.
+    assert_eq!(scene.cell.last().data.order, Some(id));
     scene.until_clear().await;
     scene.until_phase(None).await;
+    scene.advance(2.0).await;
+    assert_eq!(scene.cell.last().data.order, None);
     assert_eq!(scene.violations().await, []);
 
     // While it docks: it has its permit, and backs out.
@@ -434,4 +437,22 @@ async fn the_clock_refuses_a_scale_that_is_none() {
     let (clock, stepper) = Clock::stepped();
     drop(clock);
     assert!(stepper.advance(Duration::ZERO).await.is_err());
+}
+
+#[tokio::test]
+async fn numbers_that_are_lost_are_given_up_and_the_robot_goes_on() {
+    let lost = |nth| Fault::LoseSignal {
+        signal: Some(SignalName::MrHeartbeat),
+        nth: Some(nth),
+        transmissions: None,
+        number: LostNumber::Consumed,
+    };
+    let scene = Scene::start(config().with_fault(lost(2)).with_fault(lost(2))).await;
+    scene.advance(20.0).await;
+    scene.until_ready(order()).await;
+    let arrived = scene.cell.arrived();
+    let resync: Vec<_> = arrived.iter().filter(|one| one.resync).collect();
+    assert_eq!(resync.len(), 1, "said once: {resync:?}");
+    assert_eq!(resync[0].signal, SignalName::MrHeartbeat);
+    assert_eq!(scene.count(SignalName::MrReady), 1);
 }

@@ -39,6 +39,7 @@ pub(crate) async fn edge(
     let span = tracing::debug_span!("request", request_id = &*request_id, %method, path = uri.path(), principal = field::Empty);
 
     let limit = app.server.request_timeout;
+    let for_another = guard::is_for_another_site(request.headers());
     let admitted = guard::check(&method, request.headers(), &app.server.allowed_hosts)
         .and_then(|()| admit(&app, &mut request, route.as_ref(), &request_id));
     let who = admitted.as_ref().ok().cloned();
@@ -59,7 +60,10 @@ pub(crate) async fn edge(
     } else if response.status() == StatusCode::METHOD_NOT_ALLOWED {
         response = method_not_allowed(&method, &response, uri.path(), &request_id);
     }
-    if is_event_stream(&response) {
+    if is_event_stream(&response) && for_another {
+        // Its page could not read it, but would hold a place that others need.
+        response = guard::cross_site(Outcome::None).into_answer(uri.path(), &request_id);
+    } else if is_event_stream(&response) {
         response = place_stream(&app, response, uri.path(), &request_id);
     }
     add_headers(response.headers_mut(), &request_id);
@@ -100,7 +104,16 @@ fn admit(
         peer: request.extensions().get::<Peer>().map(|peer| peer.0),
         request_id,
     };
-    let principal = app.identity.admit(&asked, &*app.clock)?;
+    let principal = match app.identity.admit(&asked, &*app.clock) {
+        Ok(principal) => principal,
+        Err(not) => {
+            if let Some(who) = &not.worth_noting {
+                app.refusals
+                    .note(&*app.audit, who, &asked, not.problem.code());
+            }
+            return Err(not.problem);
+        }
+    };
     let _token = request.headers_mut().remove(header::AUTHORIZATION);
     let _none = request.extensions_mut().insert(principal.clone());
     Ok(principal)

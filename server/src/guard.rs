@@ -31,13 +31,24 @@ pub(crate) fn check(
     };
     let changes = !matches!(*method, Method::GET | Method::HEAD | Method::OPTIONS);
     if changes && is_from_elsewhere(headers, host) {
-        return Err(Problem::new(
-            ProblemCode::CrossSiteRequest,
-            "a page of another site made the browser send this request",
-        )
-        .outcome(Outcome::NotSent));
+        return Err(cross_site(Outcome::NotSent));
     }
     Ok(())
+}
+
+/// Whether a page from elsewhere made the browser send this, which for a stream of events is reason enough.
+pub(crate) fn is_for_another_site(headers: &HeaderMap) -> bool {
+    let host = headers.get(header::HOST);
+    is_from_elsewhere(headers, host.and_then(|host| host.to_str().ok()))
+}
+
+/// The answer to what another site's page made the browser send.
+pub(crate) fn cross_site(outcome: Outcome) -> Problem {
+    Problem::new(
+        ProblemCode::CrossSiteRequest,
+        "a page of another site made the browser send this request",
+    )
+    .outcome(outcome)
 }
 
 fn is_allowed(host: &str, allowed: &[String]) -> bool {

@@ -70,6 +70,7 @@ mod router;
 mod routes;
 mod serve;
 mod setup;
+mod simulation;
 mod state;
 mod target;
 mod wire_bodies;
@@ -83,4 +84,8 @@ pub use link::{AddressError, Connector, ControllerAddress, TcpConnection, TcpCon
 pub use openapi::{OpenApiError, openapi, openapi_yaml};
 pub use serve::{ServeError, run, start};
 pub use setup::{SetupErrors, StoreError};
+pub use simulation::{
+    JobSimulator, Scene, SceneArm, SceneMobileRobot, SimulatedStory, Simulating, SimulationError,
+    StoryError, simulated_story,
+};
 pub use state::Seams;

@@ -30,6 +30,7 @@ const LINK_COMMANDS: &str = "robocell_link_commands_total";
 const LINK_CONNECT_SECONDS: &str = "robocell_link_connect_duration_seconds";
 const LINK_REPLY_SECONDS: &str = "robocell_link_reply_duration_seconds";
 const LINK_QUEUED: &str = "robocell_link_queued_commands";
+const TASKS: &str = "robocell_tasks";
 const CONTROLLER_STATE: &str = "cell_controller_link_state";
 const CONTROLLER_RTT: &str = "cell_controller_rtt_seconds";
 
@@ -163,6 +164,15 @@ impl Metrics {
         }
     }
 
+    /// How many tasks there are now.
+    pub(crate) fn tasks(&self, count: usize) {
+        let key = Key::from_static_name(TASKS);
+        #[expect(clippy::cast_precision_loss, reason = "a count of tasks")]
+        self.recorder
+            .register_gauge(&key, &METADATA)
+            .set(count as f64);
+    }
+
     /// All counts in the text format.
     pub(crate) fn render(&self) -> String {
         self.handle.render()
@@ -230,6 +240,11 @@ fn describe(recorder: &PrometheusRecorder) {
         KeyName::from_const_str(LINK_QUEUED),
         None,
         "Commands waiting for a controller's link.".into(),
+    );
+    recorder.describe_gauge(
+        KeyName::from_const_str(TASKS),
+        None,
+        "Tasks of the server that are not over: one for each link, connection and stream, and a few of its own.".into(),
     );
     recorder.describe_gauge(
         KeyName::from_const_str(CONTROLLER_STATE),

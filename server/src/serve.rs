@@ -63,9 +63,16 @@ pub async fn run<L: Listener, C: Connector>(
     let robots = plan.cells.iter().map(|cell| cell.robots.len()).sum();
     let table = Arc::new(Table::new(&limits, robots));
     let tracker = TaskTracker::new();
-    let router = start(plan, seams, &tracker, &stop).await?;
-    serve(listener, router, table, &limits, &stop).await;
+    let started = start(plan, seams, &tracker, &stop).await;
     let _closed = tracker.close();
+    match started {
+        Ok(router) => serve(listener, router, table, &limits, &stop).await,
+        Err(error) => {
+            // What had begun lets go of the journal first: the next start needs it.
+            tracker.wait().await;
+            return Err(error);
+        }
+    }
     tracker.wait().await;
     tracing::info!("the server has stopped");
     Ok(())
@@ -85,8 +92,9 @@ pub async fn start<C: Connector>(
 ) -> Result<Router, ServeError> {
     let (routes, document) = router::documented();
     let paths = document.paths.paths.keys().cloned();
-    let app = App::start(plan, seams, paths, tracker, stop).await?;
-    let app = Arc::new(app);
+    let begun = stop.child_token();
+    let app = App::start(plan, seams, paths, tracker, &begun).await;
+    let app = Arc::new(app.inspect_err(|_| begun.cancel())?);
     drop(tracker.spawn(keep_up(Arc::clone(&app), stop.clone())));
     drop(tracker.spawn(Arc::clone(&app).end_revoked_leases(stop.clone())));
     Ok(router::finish(routes, openapi::complete(document), app))

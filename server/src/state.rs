@@ -8,13 +8,13 @@ use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
-use crate::authority::{AtLoss, CellControl, EpochStore, LeaseClock, MemoryEpochs};
+use crate::authority::{AtLoss, CellControl, EpochStore, LeaseClock};
 use crate::cell::{self, CellHandle};
 use crate::clock::WallClock;
 use crate::config::{CellPlan, Plan, RobotPlan, ServerPlan};
 use crate::events::Events;
-use crate::identity::{AuditSink, Identity, TracingAudit};
-use crate::journal::SharedJournal;
+use crate::identity::{AuditSink, Identity, Refusals};
+use crate::journal::{AuditHealth, JournalAudit, JournalEpochs, SharedJournal};
 use crate::link::cell_server::{self, CellServerLink, CellServerPlan};
 use crate::link::{self, Connector, Link, Owner};
 use crate::metrics::{LinkMetrics, Metrics};
@@ -22,6 +22,7 @@ use crate::motions::{self, InFlight, Motions};
 use crate::problem::Problem;
 use crate::serve::ServeError;
 use crate::setup::SetupBook;
+use crate::simulation::JobSimulator;
 
 /// What the handlers work on.
 #[derive(Debug)]
@@ -33,13 +34,27 @@ pub(crate) struct App {
     pub(crate) clock: Arc<dyn WallClock>,
     pub(crate) identity: Identity,
     pub(crate) audit: Arc<dyn AuditSink>,
+    pub(crate) audit_health: AuditHealth,
+    /// Keeps refused requests from flooding the audit.
+    pub(crate) refusals: Refusals,
     /// Places for streams of events.
     pub(crate) streams: Arc<Semaphore>,
+    /// Places for bodies that are larger than most.
+    pub(crate) large_bodies: Arc<Semaphore>,
+    /// One place for what computes for long: all else goes on beside it.
+    pub(crate) computing: Arc<Semaphore>,
     pub(crate) journal: SharedJournal,
     pub(crate) keys: InFlight,
     /// What happens, for streams.
     pub(crate) events: Events,
+    /// What plays jobs in virtual time, if anything does.
+    pub(crate) simulator: Option<Arc<dyn JobSimulator>>,
+    /// The place for one simulation.
+    pub(crate) simulating: Semaphore,
 }
+
+/// How many large bodies are read and worked on at a time.
+const LARGE_BODIES: usize = 4;
 
 #[derive(Debug)]
 pub(crate) struct Cell {
@@ -63,7 +78,9 @@ pub(crate) struct Robot {
 /// The way to a robot's controller, by the program on it.
 #[derive(Clone, Debug)]
 pub(crate) enum RobotLink {
+    /// The seed's pose server alone.
     Seed(Link),
+    /// A status program is beside it: the cell server's own, or that of the pose server.
     CellServer(CellServerLink),
 }
 
@@ -180,7 +197,7 @@ impl<C: Connector> RobotParts<'_, C> {
         ));
         let metrics = self.metrics.link(&plan);
         let link = match plan.tier {
-            Tier::Seed | Tier::SeedStatus => {
+            Tier::Seed => {
                 let owner = Owner {
                     plan: Arc::clone(&plan),
                     motions: Arc::clone(&motions),
@@ -189,7 +206,7 @@ impl<C: Connector> RobotParts<'_, C> {
                 };
                 RobotLink::Seed(link::spawn(owner, self.tracker, self.stop.clone()))
             }
-            Tier::CellServer => RobotLink::CellServer(cell_server::spawn(
+            Tier::SeedStatus | Tier::CellServer => RobotLink::CellServer(cell_server::spawn(
                 CellServerPlan::of(&plan, self.metrics.controller_link(&plan)),
                 Arc::clone(self.connector),
                 Arc::clone(&motions),
@@ -297,8 +314,16 @@ impl App {
             tracker,
             stop,
         };
-        let audit: Arc<dyn AuditSink> = Arc::new(TracingAudit);
-        let epochs: Arc<dyn EpochStore> = Arc::new(MemoryEpochs::default());
+        let audit = JournalAudit::spawn(
+            journal.clone(),
+            Arc::clone(&clock),
+            plan.server.shutdown_timeout,
+            tracker,
+            stop.clone(),
+        );
+        let audit_health = audit.health();
+        let audit: Arc<dyn AuditSink> = Arc::new(audit);
+        let epochs: Arc<dyn EpochStore> = Arc::new(JournalEpochs::new(journal.clone()));
         let start_control = |cell: &str| {
             let time = LeaseClock::new(Arc::clone(&clock));
             let control = CellControl::new(cell, time, Arc::clone(&epochs), Arc::clone(&audit));
@@ -339,6 +364,10 @@ impl App {
         };
         Ok(Self {
             streams: Arc::new(Semaphore::new(plan.server.max_event_streams)),
+            simulator: plan.simulator,
+            simulating: Semaphore::new(1),
+            large_bodies: Arc::new(Semaphore::new(LARGE_BODIES)),
+            computing: Arc::new(Semaphore::new(1)),
             server: plan.server,
             cells,
             legacy,
@@ -346,6 +375,8 @@ impl App {
             clock,
             identity,
             audit,
+            audit_health,
+            refusals: Refusals::default(),
             events,
             journal,
             keys,

@@ -104,17 +104,45 @@ fn covering(list: &List) -> Result<BTreeMap<String, Vec<Test>>> {
 }
 
 /// Every test of a source text with the ids its name and its documentation name.
+///
+/// A test is a function below a test's attribute, or what is registered by a line `name, other_name => ...;` of a
+/// macro of the same file that writes such functions.
 fn tests_of(text: &str) -> Vec<(String, Vec<String>)> {
+    let registrars = registrars(text);
     let mut found = Vec::new();
     let mut ids = Vec::new();
     let mut is_test = false;
-    for line in text.lines().map(str::trim) {
-        if let Some(doc) = line.strip_prefix("///") {
+    let mut within = Within::Code;
+    for line in text.lines() {
+        let indent = line.len() - line.trim_start().len();
+        let line = line.trim();
+        if let Within::Macro { ends_at } | Within::Registration { ends_at } = within
+            && indent <= ends_at
+            && line.starts_with(['}', ')'])
+        {
+            within = Within::Code;
+            ids.clear();
+        } else if matches!(within, Within::Macro { .. }) {
+            // What it writes has no name yet.
+        } else if let Some(doc) = line.strip_prefix("///") {
             ids.extend(ids_in(doc));
+        } else if matches!(within, Within::Registration { .. }) {
+            let names = registered(line);
+            for name in names {
+                let mut all = ids.clone();
+                all.extend(id_of_name(name));
+                found.push((name.to_owned(), all));
+            }
+            if !line.starts_with("#[") && !line.starts_with("//") {
+                ids.clear();
+            }
+        } else if line.starts_with("macro_rules!") && !line.ends_with('}') {
+            within = Within::Macro { ends_at: indent };
+        } else if registrars.iter().any(|name| opens(line, name)) {
+            within = Within::Registration { ends_at: indent };
+            ids.clear();
         } else if line.starts_with("#[") {
-            is_test |= ["#[test]", "#[tokio::test", "#[sqlx::test"]
-                .iter()
-                .any(|attribute| line.starts_with(attribute));
+            is_test |= is_attribute(line);
         } else if let Some(name) = function_name(line) {
             if is_test {
                 ids.extend(id_of_name(name));
@@ -127,6 +155,76 @@ fn tests_of(text: &str) -> Vec<(String, Vec<String>)> {
         }
     }
     found
+}
+
+/// Where a line stands. What begins at an indentation ends with a bracket at the same one, as `cargo fmt` writes it.
+#[derive(Clone, Copy)]
+enum Within {
+    Code,
+    /// The rules of a macro.
+    Macro {
+        ends_at: usize,
+    },
+    /// The lines handed to a macro that registers tests.
+    Registration {
+        ends_at: usize,
+    },
+}
+
+/// The macros of a source text that write tests.
+fn registrars(text: &str) -> Vec<&str> {
+    let mut names = Vec::new();
+    let mut lines = text.lines();
+    while let Some(line) = lines.next() {
+        let indent = line.len() - line.trim_start().len();
+        let Some(name) = line.trim().strip_prefix("macro_rules!") else {
+            continue;
+        };
+        let name = name.trim().trim_end_matches(['{', '(']).trim();
+        let mut body = lines.by_ref().take_while(|line| {
+            let ends = line.trim().starts_with(['}', ')']);
+            !(ends && line.len() - line.trim_start().len() <= indent)
+        });
+        // The whole body is read, so that the search for the next macro goes on behind it.
+        if body.by_ref().any(is_attribute) {
+            names.push(name);
+        }
+        body.for_each(drop);
+    }
+    names
+}
+
+/// Whether a line holds the attribute of a test.
+fn is_attribute(line: &str) -> bool {
+    ["#[test]", "#[tokio::test", "#[sqlx::test"]
+        .iter()
+        .any(|attribute| line.contains(attribute))
+}
+
+/// Whether a line begins the call of a macro that goes on in the next lines.
+fn opens(line: &str, name: &str) -> bool {
+    line.strip_prefix(name)
+        .and_then(|rest| rest.strip_prefix('!'))
+        .is_some_and(|rest| matches!(rest.trim(), "{" | "("))
+}
+
+/// The names before the arrow of `name, other_name => ...;`.
+fn registered(line: &str) -> Vec<&str> {
+    let Some((names, _)) = line.split_once("=>") else {
+        return Vec::new();
+    };
+    let is_name = |name: &&str| {
+        !name.is_empty()
+            && name
+                .bytes()
+                .all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
+    };
+    let names: Vec<&str> = names.split(',').map(str::trim).collect();
+    if names.iter().all(is_name) {
+        names
+    } else {
+        Vec::new()
+    }
 }
 
 fn function_name(line: &str) -> Option<&str> {
@@ -238,6 +336,78 @@ mod tests {
                 ),
             ]
         );
+    }
+
+    #[test]
+    fn a_macro_that_writes_tests_registers_each_name_before_an_arrow() {
+        let text = "
+            macro_rules! tests {
+                ($($name:ident => $test:expr;)*) => {
+                    $(#[tokio::test(flavor = \"multi_thread\")] async fn $name() { $test.await; })*
+                };
+            }
+
+            macro_rules! both {
+                ($($a:ident, $b:ident => $test:ident;)*) => {
+                    $(#[test] fn $a() { $test(A); } #[test] fn $b() { $test(B); })*
+                };
+            }
+
+            macro_rules! words {
+                ($($name:ident => $word:expr;)*) => { $(const $name: &str = $word;)* };
+            }
+
+            tests! {
+                f07_an_alarm_holds_a => faults::alarm(A);
+                /// Covers: P12.
+                f10_a_part_is_lost_a => faults::lost(A, PartAt::Place(\"reject\".to_owned()));
+                the_rest => faults::rest(A);
+            }
+
+            words! {
+                f11_not_a_test => \"F11\";
+            }
+
+            both! {
+                f08_an_answer_a, f08_an_answer_b => f08;
+            }
+
+            fn f08(which: Which) {}
+
+            #[test]
+            fn f09_an_ordinary_one() {
+                match it { f12_not_a_test => 1 }
+            }
+        ";
+        let ids = |ids: &[&str]| ids.iter().map(|&id| id.to_owned()).collect::<Vec<_>>();
+        assert_eq!(
+            tests_of(text),
+            [
+                ("f07_an_alarm_holds_a".to_owned(), ids(&["F7"])),
+                ("f10_a_part_is_lost_a".to_owned(), ids(&["P12", "F10"])),
+                ("the_rest".to_owned(), ids(&[])),
+                ("f08_an_answer_a".to_owned(), ids(&["F8"])),
+                ("f08_an_answer_b".to_owned(), ids(&["F8"])),
+                ("f09_an_ordinary_one".to_owned(), ids(&["F9"])),
+            ]
+        );
+    }
+
+    #[test]
+    fn an_id_may_be_padded_with_a_zero_and_nothing_else_is_one() {
+        assert_eq!(id_of_name("f07_an_alarm"), ["F7"]);
+        assert_eq!(id_of_name("h6_h07_keys"), ["H6", "H7"]);
+        for name in [
+            "f",
+            "f0x7_a",
+            "f123_a",
+            "ff7_a",
+            "\u{e9}7_a",
+            "_f7",
+            "f07a_b",
+        ] {
+            assert_eq!(id_of_name(name), [""; 0], "{name}");
+        }
     }
 
     #[test]

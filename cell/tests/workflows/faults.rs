@@ -5,6 +5,7 @@ use karel_emulator::{LedgerEvent, Operation};
 use mobile_emulator::{Fault, LedgerEvent as MobileEvent};
 use serde_json::{Value, json};
 
+use crate::kit::TestCell;
 use crate::run::{Run, Which};
 
 /// The mobile robot takes no notice of its order: the same is sent three times more, then a person is asked.
@@ -46,20 +47,19 @@ pub(crate) async fn late(which: Which) {
     let run = Run::with(which, &each, json!({"expected_arrival_s": 20})).await;
     let question = run.asked("F2").await;
     let ledger = run.mobile().ledger().await.unwrap();
-    let orders: std::collections::BTreeSet<_> = ledger
-        .iter()
-        .filter_map(|entry| {
-            let MobileEvent::OrderTaken { order, .. } = &entry.event else {
-                return None;
-            };
-            Some(*order)
-        })
-        .collect();
+    let orders: std::collections::BTreeSet<_> = ledger.iter().filter_map(order_taken).collect();
     assert_eq!(orders.len(), 3, "called, and called anew twice");
     let _job = run.until("SUSPENDED").await;
     run.nothing_moves().await;
     run.answer(&question, "redispatch").await;
     run.complete().await;
+}
+
+fn order_taken(entry: &mobile_emulator::LedgerEntry) -> Option<String> {
+    let MobileEvent::OrderTaken { order, .. } = &entry.event else {
+        return None;
+    };
+    Some(order.to_string())
 }
 
 /// Docking fails once: nobody has to do anything.
@@ -94,7 +94,7 @@ pub(crate) async fn unreachable(which: Which) {
             "pose = { x_mm = 1590, y_mm = 1390,",
         ),
     };
-    let run = Run::with_setup(which, at.0, at.1, Value::Null).await;
+    let run = Run::with_setup(which, at, &[], Value::Null).await;
     let job = run.until("STOPPED").await;
     assert!(run.has("F6").await, "{job}");
     let text = job["faults"].to_string();
@@ -110,43 +110,123 @@ pub(crate) async fn unreachable(which: Which) {
     run.assert_at(&which.source()).await;
 }
 
-/// The controller raises an alarm in the middle of a motion: nothing goes on before a person said how.
-pub(crate) async fn alarm(which: Which) {
-    let run = Run::start(which).await;
-    run.until_phase("PLACE_APPROACH").await;
-    run.operate(Operation::RaiseAlarm {
+/// An abort of the controller's own making.
+fn abort_alarm() -> Operation {
+    Operation::RaiseAlarm {
         facility: "MOTN".to_owned(),
         number: 63,
         text: "Position not reachable".to_owned(),
         severity: karel_emulator::alarms::Severity::Abort,
-    })
-    .await;
+    }
+}
+
+/// The controller raises an alarm in the middle of a motion: nothing goes on before a person said how.
+pub(crate) async fn alarm_in_motion(which: Which) {
+    let run = Run::start(which).await;
+    run.hold_in_motion("PLACE_APPROACH").await;
+    run.operate(abort_alarm()).await;
+    let question = run.asked("F7").await;
+    assert_eq!(
+        question.answers(),
+        ["retreat", "replan", "happened", "abort", "cancel"]
+    );
+    let _job = run.until("HELD").await;
+    run.nothing_moves().await;
+    let (status, said) = run.try_command("unhold").await;
+    assert_eq!(status, 409, "the question is to be answered: {said}");
+    run.operate(Operation::Reset).await;
+    run.operate(Operation::CycleStart).await;
+    run.nothing_moves().await;
+    run.until_ready().await;
+    run.answer(&question, "replan").await;
+    run.complete().await;
+}
+
+/// The same among the mobile robot's slots: it has no permit to drive, and the arm goes out where it knows the way.
+pub(crate) async fn alarm_in_the_zone(which: Which) {
+    let run = Run::start(which).await;
+    run.until_in_zone().await;
+    run.operate(abort_alarm()).await;
+    let _job = run.until("HELD").await;
+    let sessions = run.cell.get("/sessions").await;
+    assert_eq!(sessions["sessions"][0]["mr_move_permit"], false);
+    run.nothing_moves().await;
+    run.operate(Operation::Reset).await;
+    run.until_ready().await;
+    // It may have been at the end of its motion: then there is nothing to ask, and a person lets it go on.
+    let (status, _said) = run.try_command("unhold").await;
+    if status == 409 {
+        let question = run.asked("F7").await;
+        run.answer(&question, "retreat").await;
+        run.until_out_of_zone().await;
+    }
+    run.complete().await;
+}
+
+/// An alarm while the arm has nothing to do: there is nothing to ask, and nothing goes on before a person lets it.
+pub(crate) async fn alarm_between_motions(which: Which) {
+    let run = Run::start(which).await;
+    run.until_phase("AWAIT").await;
+    run.operate(abort_alarm()).await;
     let _job = run.until("HELD").await;
     assert!(run.has("F7").await);
     run.nothing_moves().await;
     run.operate(Operation::Reset).await;
-    run.nothing_moves().await;
-    // Where the alarm ended the operation there is a question, and no way around it.
-    let (status, said) = run.try_command("unhold").await;
-    if status == 409 {
-        let question = run.asked("F7").await;
-        assert!(question.answers().contains(&"replan"), "{said}");
-        run.answer(&question, "replan").await;
-    }
+    run.until_ready().await;
+    run.assert_nobody_asked().await;
+    run.command("unhold").await;
     run.complete().await;
+}
+
+/// The command line breaks in the middle of a motion: what became of it is read from the controller, and it is never
+/// sent again.
+pub(crate) async fn command_line_cut(which: Which) {
+    let run = Run::on(TestCell::with_wires().await, which, &[], Value::Null).await;
+    run.hold_in_motion("PLACE_APPROACH").await;
+    run.wires().command.cut();
+    run.operate(Operation::CycleStart).await;
+    run.until_arm_stands().await;
+    run.wires().command.mend();
+    run.complete_with_a_person().await;
+}
+
+/// The status line breaks while the arm is among the mobile robot's slots: nobody has a permit, the controller stops the
+/// arm by itself, and what became of the motion is read from it when it is heard again.
+pub(crate) async fn status_line_cut(which: Which) {
+    let run = Run::on(TestCell::with_wires().await, which, &[], Value::Null).await;
+    run.until_in_zone().await;
+    run.wires().status.cut();
+    run.until_has("F8").await;
+    run.until_no_permits().await;
+    run.until_arm_stands().await;
+    run.nothing_moves().await;
+    run.wires().status.mend();
+    run.complete_with_a_person().await;
+}
+
+/// A cable is pulled out: nothing arrives, and nobody says so.
+pub(crate) async fn cable_pulled(which: Which) {
+    let run = Run::on(TestCell::with_wires().await, which, &[], Value::Null).await;
+    run.until_in_zone().await;
+    run.wires().command.falls_silent();
+    run.wires().status.falls_silent();
+    run.until_has("F8").await;
+    run.until_no_permits().await;
+    run.until_arm_stands().await;
+    run.nothing_moves().await;
+    run.wires().command.mend();
+    run.wires().status.mend();
+    run.complete_with_a_person().await;
 }
 
 /// The controller loses power in the middle of a motion. What became of the motion nobody knows but a person.
 pub(crate) async fn power_cycle(which: Which) {
     let run = Run::start(which).await;
-    run.until_in_zone().await;
-    run.arm()
-        .power_cycle(karel_emulator::CmosMemory::Kept)
-        .await
-        .unwrap();
-    let question = run.asked("F8").await;
+    run.power_cycle_in_motion(which.phase_in_zone()).await;
+    let question = run.asked_for("F8", "replan").await;
     let _job = run.until("SUSPENDED").await;
     run.nothing_moves().await;
+    run.until_ready().await;
     run.answer(&question, "replan").await;
     run.complete().await;
 }
@@ -289,9 +369,13 @@ pub(crate) async fn drives_off(which: Which) {
     run.cell.assert_nothing_twice().await;
 }
 
+/// A silent mobile robot is lost while the arm still works.
+const SOON_LOST: (&str, &str) = ("heartbeat_ms = 15000", "heartbeat_ms = 4000");
+
 /// Its heartbeats stop under the arm: the arm goes out; when they come again, the job goes on by itself.
 pub(crate) async fn heartbeats_stop(which: Which) {
-    let run = Run::start(which).await;
+    let run = Run::with_setup(which, SOON_LOST, &[], Value::Null).await;
+    run.slowly().await;
     run.until_in_zone().await;
     run.fault(Fault::HeartbeatStops { for_s: None }).await;
     let question = run.asked("F12").await;
@@ -304,6 +388,41 @@ pub(crate) async fn heartbeats_stop(which: Which) {
     run.complete().await;
     let asked = run.question_now(&question).await;
     assert_eq!(asked["state"], "withdrawn", "{asked}");
+}
+
+/// The same, and a person takes the job back: the load stays where it was, or goes back there.
+pub(crate) async fn heartbeats_stop_and_the_job_is_taken_back(which: Which) {
+    let policy = json!({"on_cancel_with_load": "RETURN_TO_MR"});
+    let run = Run::with_setup(which, SOON_LOST, &[], policy).await;
+    run.slowly().await;
+    run.until_in_zone().await;
+    run.fault(Fault::HeartbeatStops { for_s: None }).await;
+    let question = run.asked("F12").await;
+    let _job = run.until("SUSPENDED").await;
+    run.until_out_of_zone().await;
+    run.answer(&question, "cancel").await;
+    run.faults_end().await;
+    let (ended, said) = run.cell.see_through(&run.job).await;
+    assert_eq!(ended["state"], "STOPPED", "{ended:#}\n{said:#?}");
+    run.assert_at(&which.source()).await;
+    run.assert_orderly().await;
+}
+
+/// It loses power on its way, and with it its order: it is called anew, and nobody is asked.
+pub(crate) async fn order_lost(which: Which) {
+    let run = Run::start(which).await;
+    run.until_phase("AWAIT").await;
+    run.cell
+        .wait("it drives", crate::kit::A_JOB, async |_| {
+            run.mobile().state().await.unwrap().driving.then_some(())
+        })
+        .await;
+    run.fault(Fault::Crash { down_s: 3.0 }).await;
+    run.complete_with_a_person().await;
+    assert!(run.has("F13").await || run.has("F2").await);
+    let ledger = run.mobile().ledger().await.unwrap();
+    let orders: std::collections::BTreeSet<_> = ledger.iter().filter_map(order_taken).collect();
+    assert!(orders.len() >= 2, "called anew: {orders:?}");
 }
 
 /// Somebody turns its key: the arm goes out, and waits until it is automatic again.

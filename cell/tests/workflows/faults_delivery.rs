@@ -22,7 +22,12 @@ tests! {
     f03_docking_the_second_time_needs_nobody_a => faults::docks_the_second_time(A);
     f03_docking_that_fails_is_asked_a => faults::docking_fails(A);
     f06_an_unreachable_pose_stops_before_anything_moves_a => faults::unreachable(A);
-    f07_an_alarm_holds_until_a_person_replans_a => faults::alarm(A);
+    f07_an_alarm_in_a_motion_holds_until_a_person_replans_a => faults::alarm_in_motion(A);
+    f07_an_alarm_in_the_zone_is_retreated_from_a => faults::alarm_in_the_zone(A);
+    f07_an_alarm_between_motions_holds_and_asks_nothing_a => faults::alarm_between_motions(A);
+    f08_a_command_line_that_breaks_in_a_motion_sends_nothing_twice_a => faults::command_line_cut(A);
+    f08_a_status_line_that_breaks_in_a_motion_takes_the_permits_a => faults::status_line_cut(A);
+    f08_a_cable_that_is_pulled_out_takes_the_permits_a => faults::cable_pulled(A);
     f08_a_power_cycle_in_a_motion_is_asked_a => faults::power_cycle(A);
     f09_a_grip_that_fails_is_tried_again_a => faults::grip_fails_once(A);
     f09_grips_that_fail_are_asked_a => faults::grip_fails(A);
@@ -30,6 +35,8 @@ tests! {
     f10_a_stuck_gripper_aborts_a => faults::gripper_jams(A);
     f11_driving_off_under_the_arm_aborts_a => faults::drives_off(A);
     f12_without_heartbeats_the_arm_goes_out_a => faults::heartbeats_stop(A);
+    f12_without_heartbeats_the_job_can_be_taken_back_a => faults::heartbeats_stop_and_the_job_is_taken_back(A);
+    f13_an_order_lost_on_the_way_is_given_anew_a => faults::order_lost(A);
     f13_in_manual_mode_the_arm_goes_out_a => faults::manual_mode(A);
     f14_a_protective_stop_holds_until_a_person_goes_on_a => faults::protective_stop(A);
     f15_an_emergency_stop_aborts_until_cleared_a => faults::emergency_stop(A);
@@ -107,6 +114,67 @@ async fn f18_a_blocked_target_is_replaced_by_an_alternate_a() {
     run.until_gripped().await;
     block(&run).await;
     let _job = run.until("COMPLETE").await;
+    run.assert_at(&PartAt::Place("rack/e".to_owned())).await;
+    run.assert_nobody_asked().await;
+    run.assert_orderly().await;
+}
+
+/// The same, and a person has it put into the reject bin.
+#[tokio::test(flavor = "multi_thread")]
+async fn f18_a_load_without_a_place_goes_into_the_reject_bin_a() {
+    let run = Run::with(A, &[], json!({"reject_slot": "reject"})).await;
+    run.until_gripped().await;
+    block(&run).await;
+    let question = run.asked("F18").await;
+    assert!(question.answers().contains(&"reject_bin"));
+    let _job = run.until("SUSPENDED").await;
+    run.answer(&question, "reject_bin").await;
+    let _job = run.until("COMPLETE").await;
+    run.assert_at(&PartAt::Place("reject".to_owned())).await;
+    run.assert_orderly().await;
+}
+
+/// The same, and it goes back to where the mobile robot has it.
+#[tokio::test(flavor = "multi_thread")]
+async fn f18_a_load_without_a_place_goes_back_to_the_mobile_robot_a() {
+    let run = Run::start(A).await;
+    run.until_gripped().await;
+    block(&run).await;
+    let question = run.asked("F18").await;
+    let _job = run.until("SUSPENDED").await;
+    run.answer(&question, "put_back").await;
+    let _job = run.until("STOPPED").await;
+    run.assert_at(&A.source()).await;
+    run.assert_orderly().await;
+}
+
+/// The same, and somebody takes away what is in the way: it goes on by itself.
+#[tokio::test(flavor = "multi_thread")]
+async fn f18_a_place_that_becomes_free_again_is_used_a() {
+    let run = Run::start(A).await;
+    run.until_gripped().await;
+    block(&run).await;
+    let question = run.asked("F18").await;
+    let _job = run.until("SUSPENDED").await;
+    run.moves_part("load-3", PartAt::Place("rack/b".to_owned()));
+    let location = json!({"at": "FIXED", "place": "rack/b"});
+    let body = json!({"location": location, "confirm": "load-3", "reason": "out of the way"});
+    let (status, said) = run.cell.put("/loads/load-3/custody", &body).await;
+    assert_eq!(status, 200, "{said}");
+    run.complete().await;
+    assert_eq!(run.question_now(&question).await["state"], "withdrawn");
+}
+
+/// A place that cannot be reached, and another that can: the load goes there, and nobody is asked.
+#[tokio::test(flavor = "multi_thread")]
+async fn f06_an_alternate_place_is_taken_where_the_first_cannot_be_reached_a() {
+    let at = (
+        "pose = { x_mm = -100, y_mm = 1000,",
+        "pose = { x_mm = -1190, y_mm = 1390,",
+    );
+    let run = Run::with_setup(A, at, &[], json!({"alternates": ["rack/e"]})).await;
+    let _job = run.until("COMPLETE").await;
+    assert!(run.has("F6").await);
     run.assert_at(&PartAt::Place("rack/e".to_owned())).await;
     run.assert_nobody_asked().await;
     run.assert_orderly().await;

@@ -80,7 +80,7 @@ impl TestCell {
         story
     }
 
-    async fn story(&self, job: &str) -> Vec<Value> {
+    pub(crate) async fn story(&self, job: &str) -> Vec<Value> {
         let (mut all, mut cursor) = (Vec::new(), String::new());
         loop {
             let page = self

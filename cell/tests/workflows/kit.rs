@@ -11,19 +11,27 @@ use karel_emulator::{LedgerEntry, LedgerEvent, VirtualController};
 use mobile_emulator::MobileRobot;
 use reqwest::{Client, StatusCode};
 use serde_json::{Value, json};
-use server::SystemClock;
-use server::config::JournalSection;
 use tokio::net::TcpListener;
 use tokio::runtime::Runtime;
 use tokio_util::sync::CancellationToken;
 
 use crate::child::Program;
+use crate::faults_disk::Disk;
+use crate::faults_wire::Wires;
 
 /// Seconds of the cell in a second.
-pub(crate) const SCALE: f64 = 20.0;
+pub(crate) const SCALE: f64 = 15.0;
+/// How often something that is waited for is looked at.
+const LOOK: Duration = Duration::from_millis(8);
 /// A job of two drives and a few motions takes about two minutes of the cell's time.
 pub(crate) const A_JOB: Duration = Duration::from_mins(1);
-pub(crate) const SETUP: &str = include_str!("../../demo.setup.toml");
+/// The demo's, for machines that are slow: at this pace a silence of three seconds is 150 ms, and a busy core alone
+/// would be taken for a mobile robot that fell silent.
+pub(crate) const SETUP: &str = concat!(
+    include_str!("../../demo.setup.toml"),
+    "\n[timers]\nheartbeat_ms = 15000\narm_silence_ms = 15000\nmotion_margin_ms = 20000\n",
+    "grip_ms = 15000\nsafe_ms = 15000\n"
+);
 const BASE: &str = "/api/v1/cells/demo";
 
 /// A server that runs.
@@ -36,14 +44,18 @@ enum Running {
 
 /// The cell's configuration, without its set-up.
 pub(crate) fn config() -> String {
+    config_at(SCALE)
+}
+
+fn config_at(scale: f64) -> String {
     format!(
         "[server]\ndemo = true\nlisten = '127.0.0.1:0'\n\
          [[cells]]\nid = 'demo'\n\
          [[cells.robots]]\nid = 'r1'\nmodel = 'fanuc-m20ia'\ncontroller = 'virtual:vc1'\n\
-         tier = 'cell_server'\ntime_scale = {SCALE:.1}\n\
+         tier = 'cell_server'\ntime_scale = {scale:.1}\n\
          [[virtual_controllers]]\nname = 'vc1'\nmodel = 'fanuc-m20ia'\nruns = 'cell_server'\n\
-         time_scale = {SCALE:.1}\nstart_joints_deg = [90, 0, 0, 0, -90, 0]\n\
-         [[virtual_mobile_robots]]\ncell = 'demo'\nid = 'mr1'\ntime_scale = {SCALE:.1}\n"
+         time_scale = {scale:.1}\nstart_joints_deg = [90, 0, 0, 0, -90, 0]\n\
+         [[virtual_mobile_robots]]\ncell = 'demo'\nid = 'mr1'\ntime_scale = {scale:.1}\n"
     )
 }
 
@@ -53,6 +65,10 @@ pub(crate) struct TestCell {
     server: Option<Running>,
     address: SocketAddr,
     journal: PathBuf,
+    /// What happens to its writes.
+    pub(crate) disk: Disk,
+    /// The lines to the controller, where they can be cut.
+    pub(crate) wires: Option<Wires>,
     /// The server is a process of its own.
     program: Option<Program>,
     folder: tempfile::TempDir,
@@ -71,6 +87,59 @@ impl TestCell {
         cell
     }
 
+    /// The program that simulates for this cell only, so that its processes are told from those of other tests.
+    pub(crate) fn simulator(&self) -> PathBuf {
+        self.folder.path().join("robocell")
+    }
+
+    /// The server can simulate jobs.
+    pub(crate) async fn simulating() -> Self {
+        Self::simulating_with(SCALE, SETUP).await
+    }
+
+    pub(crate) async fn simulating_with(scale: f64, setup: &str) -> Self {
+        let mut cell = Self::dark_at(scale, setup).await;
+        let program = cell.simulator();
+        std::os::unix::fs::symlink(env!("CARGO_BIN_EXE_robocell"), &program).unwrap();
+        cell.assembly.simulate_with(program);
+        cell.start_server().await;
+        // A simulation begins where the robots are, so they have to be heard first.
+        cell.wait(
+            "every robot is heard",
+            Duration::from_secs(20),
+            async |cell| {
+                let mobile = cell.get("/mobile-robots").await;
+                let arm = cell.get("/robots/r1/state").await;
+                (mobile[0]["connected"] == true && !arm["controller"].is_null()).then_some(())
+            },
+        )
+        .await;
+        cell
+    }
+
+    /// With lines to the controller that can be cut.
+    pub(crate) async fn with_wires() -> Self {
+        let mut cell = Self::dark(SETUP).await;
+        let wires = Wires::to(cell.controller()).await;
+        let (command, status) = (wires.command.address(), wires.status.address());
+        assert!(cell.assembly.reroute("r1", command, status), "r1");
+        cell.wires = Some(wires);
+        cell.start_server().await;
+        cell
+    }
+
+    /// With a journal of at most so many pages of 4 KiB, on a disk that does not grow.
+    pub(crate) async fn with_pages(pages: u32) -> Self {
+        let mut cell = Self::dark(SETUP).await;
+        cell.disk.limit(Some(pages));
+        cell.start_server().await;
+        cell
+    }
+
+    pub(crate) fn journal(&self) -> &std::path::Path {
+        &self.journal
+    }
+
     /// The server as the real program, in a process of its own.
     pub(crate) async fn of_processes() -> Self {
         let mut cell = Self::dark(SETUP).await;
@@ -83,7 +152,11 @@ impl TestCell {
 
     /// The world, without a server yet.
     async fn dark(setup: &str) -> Self {
-        let mut assembly = Assembly::start(&config(), setup).await.unwrap();
+        Self::dark_at(SCALE, setup).await
+    }
+
+    async fn dark_at(scale: f64, setup: &str) -> Self {
+        let mut assembly = Assembly::start(&config_at(scale), setup).await.unwrap();
         let folder = tempfile::tempdir().unwrap();
         let listener = StdListener::bind("127.0.0.1:0").unwrap();
         let address = listener.local_addr().unwrap();
@@ -94,6 +167,8 @@ impl TestCell {
             server: None,
             address,
             journal: folder.path().join("cell.journal"),
+            disk: Disk::default(),
+            wires: None,
             program: None,
             folder,
             http: Client::new(),
@@ -126,23 +201,8 @@ impl TestCell {
         }
         let runtime = Runtime::new().unwrap();
         let stop = CancellationToken::new();
-        let section = JournalSection {
-            path: Some(self.journal.clone()),
-            allow_volatile_filesystem: true,
-            restored: false,
-        };
-        let journal = async move {
-            // The lock of a server that was killed a moment ago may still be held by its last task.
-            loop {
-                match server::open_journal(&section, std::path::Path::new(""), &SystemClock).await {
-                    Ok(journal) => return journal,
-                    Err(error) if format!("{error:?}").contains("InUse") => {
-                        tokio::time::sleep(Duration::from_millis(1)).await;
-                    }
-                    Err(error) => panic!("{error:?}"),
-                }
-            }
-        };
+        let (path, disk) = (self.journal.clone(), self.disk.clone());
+        let journal = async move { disk.open(&path).await };
         let journal = runtime.spawn(journal).await.unwrap();
         let address = self.address;
         let listener = runtime
@@ -214,6 +274,14 @@ impl TestCell {
         self.http.delete(url).send().await.unwrap().status()
     }
 
+    /// What a GET is answered, whatever the status.
+    pub(crate) async fn try_get(&self, path: &str) -> (StatusCode, Value) {
+        let url = format!("http://{}{path}", self.address);
+        let answer = self.http.get(url).send().await.unwrap();
+        let status = answer.status();
+        (status, answer.json().await.unwrap_or(Value::Null))
+    }
+
     pub(crate) async fn get(&self, path: &str) -> Value {
         let found = self.get_any(&format!("{BASE}{path}")).await;
         found.unwrap_or_else(|| panic!("GET {path} has no answer"))
@@ -236,14 +304,19 @@ impl TestCell {
 
     /// A delivery of load-1, which mr1 has in its left slot at the beginning, to a place of the rack.
     pub(crate) async fn delivery(&self, place: &str) -> String {
-        self.job(
-            "delivery-and-placement",
-            json!({
+        let body = Self::delivery_body(place);
+        self.job("delivery-and-placement", body["params"].clone())
+            .await
+    }
+
+    pub(crate) fn delivery_body(place: &str) -> Value {
+        json!({
+            "workflow": "delivery-and-placement",
+            "params": {
                 "point": "handover/front",
                 "items": [{"load_id": "load-1", "type": "crate", "mr_slot": "left", "place": place}]
-            }),
-        )
-        .await
+            }
+        })
     }
 
     /// A pickup of load-2, which is in rack/a at the beginning, to the warehouse.
@@ -295,6 +368,21 @@ impl TestCell {
         robots.next().expect("mr1")
     }
 
+    /// Why the journal is not opened as it is.
+    pub(crate) async fn refused_journal(&self) -> String {
+        self.disk.refused(&self.journal).await
+    }
+
+    /// Why the server does not start on its journal.
+    pub(crate) async fn refused_server(&self) -> String {
+        let journal = self.disk.open(&self.journal).await;
+        let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+        let stop = CancellationToken::new();
+        let serving = self.assembly.serve(listener, journal, stop).unwrap();
+        let error = serving.await.expect_err("it should not start");
+        format!("{error:#}")
+    }
+
     /// How many commands of the wire the arm has begun.
     pub(crate) async fn begun(&self) -> usize {
         let ledger = self.ledger().await;
@@ -339,7 +427,7 @@ impl TestCell {
                     pretty(sessions)
                 );
             }
-            tokio::time::sleep(Duration::from_millis(5)).await;
+            tokio::time::sleep(LOOK).await;
         }
     }
 

@@ -11,12 +11,18 @@ mod child;
 mod crashes;
 mod faults;
 mod faults_delivery;
+mod faults_disk;
+mod faults_evidence;
+mod faults_journal;
 mod faults_pickup;
+mod faults_wire;
 mod judge;
 mod kit;
+mod mobile;
 mod operator;
 mod run;
 mod sigkill;
+mod simulate;
 
 use cell::world::PartAt;
 use kit::TestCell;

@@ -8,6 +8,7 @@ use karel_emulator::{LedgerEvent, Operation, VirtualController};
 use mobile_emulator::{Fault, LedgerEvent as MobileEvent, MobileRobot};
 use serde_json::{Value, json};
 
+use crate::faults_wire::Wires;
 use crate::kit::{A_JOB, SETUP, TestCell};
 
 /// How long something has to stay away, for a test to believe that it does not happen: 10 s of the cell.
@@ -116,7 +117,23 @@ impl Run {
 
     /// A job with more parameters, whose mobile robot has these faults from the beginning.
     pub(crate) async fn with(which: Which, faults: &[Fault], more: Value) -> Self {
-        let cell = TestCell::start().await;
+        Self::on(TestCell::start().await, which, faults, more).await
+    }
+
+    /// A job in a cell whose set-up says something else.
+    pub(crate) async fn with_setup(
+        which: Which,
+        (from, to): (&str, &str),
+        faults: &[Fault],
+        more: Value,
+    ) -> Self {
+        assert!(SETUP.contains(from), "the set-up has {from}");
+        let cell = TestCell::with_setup(&SETUP.replacen(from, to, 1)).await;
+        Self::on(cell, which, faults, more).await
+    }
+
+    /// A job in a cell that was made for it.
+    pub(crate) async fn on(cell: TestCell, which: Which, faults: &[Fault], more: Value) -> Self {
         for fault in faults {
             let _number = mobile(&cell).set_fault(fault.clone()).await.unwrap();
         }
@@ -124,12 +141,13 @@ impl Run {
         Self { cell, which, job }
     }
 
-    /// A job in a cell whose set-up says something else.
-    pub(crate) async fn with_setup(which: Which, from: &str, to: &str, more: Value) -> Self {
-        assert!(SETUP.contains(from), "the set-up has {from}");
-        let cell = TestCell::with_setup(&SETUP.replacen(from, to, 1)).await;
-        let job = which.ask(&cell, &more).await;
-        Self { cell, which, job }
+    pub(crate) fn wires(&self) -> &Wires {
+        self.cell.wires.as_ref().expect("lines that can be cut")
+    }
+
+    /// The arm moves so slowly that it is in the zone for longer than a mobile robot may be silent.
+    pub(crate) async fn slowly(&self) {
+        self.cell.controller().set_override(20).await.unwrap();
     }
 
     pub(crate) fn load(&self) -> &'static str {
@@ -200,6 +218,78 @@ impl Run {
             .await;
     }
 
+    /// Stops the arm in the middle of a motion of this phase, as an operator's HOLD does: whatever happens next happens
+    /// in the middle, however slow this machine is. CYCLE START lets the motion go on.
+    pub(crate) async fn hold_in_motion(&self, phase: &str) {
+        let what = format!("the arm held in a motion of {phase}");
+        self.cell
+            .wait(&what, A_JOB, async |_| {
+                let job = self.job().await;
+                let mut steps = job["steps"].as_array()?.iter();
+                let runs = steps.any(|step| step["phase"] == phase && step["state"] == "RUNNING");
+                (runs && self.arm().state().await.unwrap().moving).then_some(())?;
+                self.operate(Operation::Hold).await;
+                self.cell
+                    .wait("the arm stands", A_JOB, async |_| {
+                        let state = self.arm().state().await.unwrap();
+                        (!state.moving).then_some(())
+                    })
+                    .await;
+                if self.arm().state().await.unwrap().held {
+                    return Some(());
+                }
+                // It had just arrived: the next motion, then.
+                self.operate(Operation::CycleStart).await;
+                None
+            })
+            .await;
+    }
+
+    /// Waits until the controller takes commands again, by the server's own account.
+    pub(crate) async fn until_ready(&self) {
+        self.cell
+            .wait("the controller is ready", A_JOB, async |cell| {
+                let state = cell.get("/robots/r1/state").await;
+                let controller = state["controller"].as_object()?;
+                (!controller.contains_key("not_ready")).then_some(())
+            })
+            .await;
+    }
+
+    /// The controller loses power in the middle of a motion of this phase: what became of the motion it does not know.
+    pub(crate) async fn power_cycle_in_motion(&self, phase: &str) {
+        self.hold_in_motion(phase).await;
+        self.arm()
+            .power_cycle(karel_emulator::CmosMemory::Kept)
+            .await
+            .unwrap();
+        self.operate(Operation::CycleStart).await;
+    }
+
+    /// Waits for a question about a fault that this may be answered to.
+    pub(crate) async fn asked_for(&self, fault: &str, answer: &str) -> Question {
+        let what = format!("a question about {fault} with the answer {answer}");
+        self.cell
+            .wait(&what, A_JOB, async |cell| {
+                let open = cell.get("/interventions").await;
+                let asked = open["interventions"].as_array()?;
+                let of = |one: &&Value| one["fault"]["code"] == fault && one["job"] == *self.job;
+                let found = asked.iter().find(of).cloned().map(Question)?;
+                found.answers().contains(&answer).then_some(found)
+            })
+            .await
+    }
+
+    /// Waits until no motion has begun and not ended, by the arm's own ledger.
+    pub(crate) async fn until_arm_stands(&self) {
+        self.cell
+            .wait("the arm stands", A_JOB, async |_| {
+                let state = self.arm().state().await.unwrap();
+                (!state.moving && state.motion_queue == 0).then_some(())
+            })
+            .await;
+    }
+
     /// Waits until the load is in the gripper, by the world's own account.
     pub(crate) async fn until_gripped(&self) {
         self.cell
@@ -226,6 +316,13 @@ impl Run {
     pub(crate) async fn assert_nobody_asked(&self) {
         let open = self.cell.get("/interventions").await;
         assert_eq!(open["interventions"], json!([]));
+    }
+
+    /// Plays a person who looks where things truly are, until the job is over; then judges it.
+    pub(crate) async fn complete_with_a_person(&self) {
+        let (ended, said) = self.cell.see_through(&self.job).await;
+        assert_eq!(ended["state"], "COMPLETE", "{ended:#}\n{said:#?}");
+        self.complete().await;
     }
 
     pub(crate) async fn answer(&self, question: &Question, answer: &str) {
@@ -315,7 +412,16 @@ impl Run {
                     .iter()
                     .find(|entry| entry.event == LedgerEvent::Started);
                 assert!(begun.is_none(), "the arm began to move: {begun:?}");
-                assert_eq!(self.job().await["state"], state);
+                let now = self.job().await["state"].clone();
+                let settled = [
+                    ("SUSPENDING", "SUSPENDED"),
+                    ("HOLDING", "HELD"),
+                    ("ABORTING", "ABORTED"),
+                ];
+                let settles = settled
+                    .iter()
+                    .any(|(from, to)| state == *from && now == *to);
+                assert!(now == state || settles, "{state} became {now}");
                 (std::time::Instant::now() >= until).then_some(())
             })
             .await;
@@ -350,6 +456,24 @@ impl Run {
         assert_eq!(booked, expected);
     }
 
+    /// The load is where the server says it is, wherever that is.
+    pub(crate) async fn assert_at_hand(&self) {
+        let booked = self.cell.custody(self.load()).await["location"].clone();
+        assert_eq!(
+            booked,
+            crate::operator::location(&self.cell.truly_at(self.load()))
+        );
+    }
+
+    /// The arm never went among the mobile robot's slots, by its own ledger.
+    pub(crate) async fn assert_never_entered(&self) {
+        for entry in self.cell.ledger().await {
+            let at = entry.target_pose;
+            let inside = at.x_mm > 700.0 && at.y_mm.abs() < 600.0 && at.z_mm < 500.0;
+            assert!(!inside, "{entry:?}");
+        }
+    }
+
     /// No motion twice, no drive without a permit, no load moved while the mobile robot may move.
     pub(crate) async fn assert_orderly(&self) {
         self.cell.assert_nothing_twice().await;
@@ -379,7 +503,7 @@ fn mobile(cell: &TestCell) -> Arc<MobileRobot> {
 pub(crate) struct Question(pub(crate) Value);
 
 impl Question {
-    fn id(&self) -> &str {
+    pub(crate) fn id(&self) -> &str {
         self.0["id"].as_str().expect("an id")
     }
 

@@ -50,6 +50,32 @@ async fn at_home(home: &Path, arguments: &[&str], input: &str) -> (Option<i32>, 
 }
 
 #[tokio::test]
+async fn the_audit_is_a_table_that_says_how_to_go_on() {
+    let entries = json!([{"id": "3-1207", "at": "2026-11-22T18:00:00Z", "since_start_ms": 5, "principal": "anna",
+        "role": "operator", "action": "control.acquire", "object": "demo", "result": "denied"}]);
+    let body = json!({"entries": entries, "next_cursor": "1207"});
+    let fake = Fake::always(Answer::Json(body)).await;
+    let ran = fake
+        .cellctl(&["audit", "--limit", "1", "--cursor", "1300"])
+        .await;
+    assert_eq!(ran.code, 0, "{ran:?}");
+    for part in [
+        "anna",
+        "operator",
+        "control.acquire",
+        "denied",
+        "--cursor 1207",
+    ] {
+        assert!(ran.stdout.contains(part), "{part}: {}", ran.stdout);
+    }
+    let seen = fake.seen();
+    assert_eq!(
+        seen[0].line,
+        "GET /api/v1/cells/demo/audit?limit=1&cursor=1300"
+    );
+}
+
+#[tokio::test]
 async fn a_token_that_was_tried_is_kept_for_its_owner_alone_and_used() {
     let fake = Fake::always(Answer::Json(me())).await;
     let home = tempfile::tempdir().unwrap();

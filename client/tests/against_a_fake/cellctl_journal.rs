@@ -39,6 +39,10 @@ async fn make(path: &Path) {
             object: format!("object-{n}"),
             result: AuditResult::Done,
             request_id: None,
+            cell: None,
+            role: None,
+            source: None,
+            lease: None,
             before: None,
             after: None,
         });

@@ -14,6 +14,7 @@ fn signal() -> SignalBody {
     SignalBody {
         session: Some(Uuid::from_u128(1)),
         seq: 3,
+        resync: false,
         boot: 1,
         signal: SignalName::MrDocked,
         at: jiff::Timestamp::UNIX_EPOCH,
@@ -23,7 +24,7 @@ fn signal() -> SignalBody {
             localized: true,
             battery_percent: 90.0,
             mode: OperatingMode::Automatic,
-            loads: Vec::new(),
+            loads: Some(Vec::new()),
             order: None,
             at_point: Some("s1/p1".to_owned()),
             errors: Vec::new(),

@@ -9,7 +9,8 @@ use crate::{JointsBody, PoseBody};
 pub enum Tier {
     /// Tier 0: the seed program. Single motions end `accepted`; completion is not observable.
     Seed,
-    /// Tier 1: the seed program and a read-only status program. Completion is read back; nothing stops a motion.
+    /// Tier 1: the seed program and a status program beside it. Completion is read back from where the arm is; a stop ends
+    /// the seed program and starts it again.
     SeedStatus,
     /// Tier 2: the `cell_server` program. Motions are numbered, finish observably, and can be stopped.
     CellServer,
@@ -61,7 +62,7 @@ impl Tier {
             Self::CellServer => true,
         };
         Capabilities {
-            stop_effect: if commands {
+            stop_effect: if observes {
                 StopEffect::HaltsMotion
             } else {
                 StopEffect::IssuesNothingMore
@@ -69,7 +70,7 @@ impl Tier {
             completion_observable: observes,
             pose_reported: observes,
             hold_and_continue: commands,
-            speed_override: commands,
+            speed_override: observes,
             linear_motion: commands,
             digital_io: commands,
         }

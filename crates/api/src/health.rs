@@ -32,9 +32,25 @@ pub struct JournalReadiness {
     pub epoch: u64,
     /// The number of its last record.
     pub last_record: u64,
-    /// Why it takes no records.
+    /// Whether the disk is full and only the reserve is left: what runs gets its end, and nothing new begins. It goes
+    /// on by itself when there is room.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub on_reserve: bool,
+    /// How many entries of the audit since the start are in the server's log and not in the journal, because the
+    /// journal took none or too many waited.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub audit_lost: u64,
+    /// What is wrong with it, in a sentence.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub problem: Option<String>,
+}
+
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde asks for a reference"
+)]
+fn is_zero(count: &u64) -> bool {
+    *count == 0
 }
 
 /// Whether a robot's link takes commands.

@@ -4,6 +4,7 @@
 //! arrived; whoever reads them converts to the checked types of `units` and `kinematics` before using them.
 //! Requests refuse unknown and duplicate keys; answers may grow, so clients ignore keys they do not know.
 
+mod audit;
 mod authority;
 mod cell_state;
 mod control;
@@ -23,8 +24,10 @@ mod pose;
 mod problem;
 mod session;
 pub mod setup;
+mod simulation;
 mod state;
 
+pub use audit::{AuditEntry, AuditList, AuditResult};
 pub use authority::{
     AcquireBody, ControlEnd, ControlHolder, ControlLease, ControlToken, ControlTokenError,
     ControlView, EndedLease, LossBehavior, Station, TransferBody,
@@ -68,10 +71,11 @@ pub use load::{
     CustodyBody, CustodyEvent, CustodyEvidence, Load, LoadDetail, LoadList, LoadLocation,
 };
 pub use mobile::{
-    DockToleranceBody, FloorAreaBody, FloorPoseBody, MAX_MOBILE_ID, MAX_OUTBOX_WAIT_S,
-    MAX_SIGNAL_ITEMS, MobileErrorBody, MobileErrorLevel, MobileMessage, MobileRobotState,
-    MobileRobotSummary, OperatingMode, Outbox, OutboxMessage, OutboxQuery, RoutePointBody,
-    SignalAnswer, SignalBody, SignalData, SignalName, SlotLoadBody, TransportOrderBody,
+    DockToleranceBody, FloorAreaBody, FloorPoseBody, InstantActionAnswer, InstantActionBody,
+    InstantActionName, MAX_MOBILE_ID, MAX_OUTBOX_WAIT_S, MAX_SIGNAL_ITEMS, MobileErrorBody,
+    MobileErrorLevel, MobileMessage, MobileRobotState, MobileRobotSummary, OperatingMode, Outbox,
+    OutboxMessage, OutboxQuery, RoutePointBody, SignalAnswer, SignalBody, SignalData, SignalName,
+    SlotLoadBody, TransportOrderBody,
 };
 pub use motion::{
     Completion, DecisionBody, DoubtAnswer, Evidence, ExpectBody, Motion, MotionBody, MotionList,
@@ -80,4 +84,8 @@ pub use motion::{
 pub use pose::{JointsBody, PoseBody};
 pub use problem::{Outcome, Problem, ProblemCode, ProblemKind, Violation};
 pub use session::{PointPermits, Session, SessionList, SessionState};
+pub use simulation::{
+    JobSimulation, SimulatedCustody, SimulatedMotion, SimulatedPermit, SimulatedQuestion,
+    SimulatedViolation, SimulationEnd,
+};
 pub use state::{ControllerState, LinkState, LinkStatus, OperationalMode, PoseSource, RobotState};

@@ -220,9 +220,11 @@ pub struct SignalData {
     pub battery_percent: f64,
     /// The operating mode.
     pub mode: OperatingMode,
-    /// Each slot and what lies in it.
+    /// Each slot and what lies in it, in the sense of VDA 5050: absent, the robot cannot tell; empty, it is known to
+    /// carry nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(max_items = 64)]
-    pub loads: Vec<SlotLoadBody>,
+    pub loads: Option<Vec<SlotLoadBody>>,
     /// The order it works on.
     #[schema(required)]
     pub order: Option<Uuid>,
@@ -258,6 +260,10 @@ pub struct SignalBody {
     pub boot: u64,
     /// What it says.
     pub signal: SignalName,
+    /// With `MR_HEARTBEAT` only: whatever of this boot has a lower number and did not arrive is lost for ever. Counting
+    /// goes on from here; what is lost is recorded if it comes after all, and has no effect.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub resync: bool,
     /// When, by the robot's clock. For the record only: what counts is the order of arrival.
     pub at: Timestamp,
     /// What the robot knows of itself.
@@ -353,6 +359,8 @@ pub enum MobileMessage {
     Retry,
     /// Give docking up, and leave the zone.
     SkipRetry,
+    /// Say all that is so now, with an `MR_HEARTBEAT`.
+    StateRequest,
 }
 
 impl MobileMessage {
@@ -371,6 +379,7 @@ impl MobileMessage {
             Self::StopPause => "STOP_PAUSE",
             Self::Retry => "RETRY",
             Self::SkipRetry => "SKIP_RETRY",
+            Self::StateRequest => "STATE_REQUEST",
         }
     }
 }
@@ -408,6 +417,58 @@ pub struct TransportOrderBody {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schema(max_items = 900)]
     pub then_route: Vec<RoutePointBody>,
+    /// The loads to take off where the order ends, and no others (VDA 5050: an action `drop` for each, with slot and
+    /// load); absent: as is the custom there. An order with it and without `then_to` only drives to its goal, gives the
+    /// loads there, and needs no permit and no hand-over.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(max_items = 64)]
+    pub unload: Option<Vec<SlotLoadBody>>,
+}
+
+/// What a person has a mobile robot do at once: the instant actions of VDA 5050.
+#[derive(Clone, Copy, Debug, Deserialize, Eq, PartialEq, Serialize, ToSchema)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum InstantActionName {
+    /// Stand still.
+    StartPause,
+    /// Go on.
+    StopPause,
+    /// Give an order up that is of no job.
+    CancelOrder,
+    /// Do again what failed.
+    Retry,
+    /// Give up what failed.
+    SkipRetry,
+    /// Say all that is so now.
+    StateRequest,
+}
+
+/// An instant action.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+#[schema(example = json!({"action": "START_PAUSE", "reason": "a person is in the aisle"}))]
+pub struct InstantActionBody {
+    /// What.
+    pub action: InstantActionName,
+    /// For `CANCEL_ORDER`: which; absent, the one the robot reports.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub order: Option<Uuid>,
+    /// Why, for the record.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(min_length = 1, max_length = 500)]
+    pub reason: Option<String>,
+}
+
+/// An instant action that was taken: it is in the robot's outbox.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
+#[schema(example = json!({"mobile_robot": "mr1", "action": "START_PAUSE", "unacknowledged": 1}))]
+pub struct InstantActionAnswer {
+    /// The robot.
+    pub mobile_robot: String,
+    /// What.
+    pub action: InstantActionName,
+    /// How many messages the robot has not acknowledged, this one among them unless it was quick.
+    pub unacknowledged: usize,
 }
 
 /// A mobile robot in a list.
@@ -487,6 +548,7 @@ mod tests {
             MobileMessage::StopPause,
             MobileMessage::Retry,
             MobileMessage::SkipRetry,
+            MobileMessage::StateRequest,
         ];
         for message in kinds {
             assert_eq!(
@@ -516,6 +578,23 @@ mod tests {
         ] {
             let bad = good.replace(from, to);
             assert!(serde_json::from_str::<SignalBody>(&bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn no_loads_told_is_not_no_loads() {
+        let data = |loads: &str| {
+            let text = format!(
+                r#"{{"pose":{{"x_mm":0,"y_mm":0,"heading_deg":0}},"driving":false,"localized":true,
+                "battery_percent":90,"mode":"AUTOMATIC",{loads}"order":null,"at_point":null,"errors":[]}}"#
+            );
+            serde_json::from_str::<SignalData>(&text).unwrap()
+        };
+        assert_eq!(data("").loads, None);
+        assert_eq!(data(r#""loads":[],"#).loads, Some(Vec::new()));
+        for same in ["", r#""loads":[],"#] {
+            let again = serde_json::to_value(data(same)).unwrap();
+            assert_eq!(again.get("loads").is_some(), !same.is_empty());
         }
     }
 }

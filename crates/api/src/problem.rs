@@ -277,6 +277,16 @@ problem_codes! {
     AnswerNotPossible, "answer-not-possible", 409, "The answer is not possible now";
     /// Another load is there, or a job works with the load.
     CustodyConflict, "custody-conflict", 409, "The load cannot be booked there";
+    /// It could bring an arm and a mobile robot together.
+    InterlockViolation, "interlock-violation", 409, "An interlock does not allow it";
+    /// This server was started without anything that simulates jobs.
+    SimulatorMissing, "simulator-missing", 501, "This server has no simulator";
+    /// A load of unknown place: there is no state that a simulation could begin in.
+    CustodyUnknown, "custody-unknown", 409, "Nobody knows where a load is";
+    /// Another simulation runs, and there is one at a time.
+    SimulatorBusy, "simulator-busy", 503, "Another simulation runs";
+    /// The simulation broke off. Nothing of the cell has changed.
+    SimulationFailed, "simulation-failed", 500, "The simulation failed";
 }
 
 // By hand: the derived schema does not see a name that a macro gives, and would list the variants.

@@ -224,6 +224,10 @@ fn audit() -> Record {
         object: "c1/r1".into(),
         result: AuditResult::Done,
         request_id: None,
+        cell: None,
+        role: None,
+        source: None,
+        lease: None,
         before: Some("100".into()),
         after: Some("50".into()),
     })

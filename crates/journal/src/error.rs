@@ -22,6 +22,16 @@ pub enum AppendError {
         /// How many may wait.
         capacity: usize,
     },
+    /// The disk is full. What ends work that has begun is still kept, in the reserve; this would have begun some.
+    /// Nothing was written; the journal goes on, and takes it again when there is room.
+    #[error(
+        "the disk is full; the reserve of {} is kept for the ends of what has begun",
+        size(*.reserve)
+    )]
+    NoRoom {
+        /// The reserve, in bytes.
+        reserve: u64,
+    },
     /// Writing failed. The journal takes nothing more until it is opened again.
     #[error("{step} failed; the journal takes nothing more until it is opened again")]
     Failed {
@@ -64,7 +74,9 @@ impl AppendError {
     #[must_use]
     pub fn effect(&self) -> Effect {
         match self {
-            Self::Refused(_) | Self::Busy { .. } | Self::Poisoned(_) => Effect::None,
+            Self::Refused(_) | Self::Busy { .. } | Self::NoRoom { .. } | Self::Poisoned(_) => {
+                Effect::None
+            }
             Self::Failed { effect, .. } | Self::Closed { effect } => *effect,
         }
     }
@@ -74,28 +86,20 @@ impl AppendError {
     pub fn is_disk_full(&self) -> bool {
         let cause = match self {
             Self::Failed { source, .. } | Self::Poisoned(source) => source,
+            Self::NoRoom { .. } => return true,
             Self::Refused(_) | Self::Busy { .. } | Self::Closed { .. } => return false,
         };
-        let full = |error: &std::io::Error| error.kind() == std::io::ErrorKind::StorageFull;
         if let Some(error) = cause.downcast_ref::<std::io::Error>() {
-            return full(error);
+            return error.kind() == std::io::ErrorKind::StorageFull;
         }
-        match cause.downcast_ref::<sqlx::Error>() {
-            Some(sqlx::Error::Io(error)) => full(error),
-            Some(error) => error
-                .as_database_error()
-                .and_then(sqlx::error::DatabaseError::code)
-                // SQLITE_FULL.
-                .is_some_and(|code| code == "13"),
-            None => false,
-        }
+        cause.downcast_ref().is_some_and(is_full)
     }
 
     /// Whether the journal takes further records.
     #[must_use]
     pub fn is_fatal(&self) -> bool {
         match self {
-            Self::Refused(_) | Self::Busy { .. } => false,
+            Self::Refused(_) | Self::Busy { .. } | Self::NoRoom { .. } => false,
             Self::Failed { .. } | Self::Poisoned(_) | Self::Closed { .. } => true,
         }
     }
@@ -136,6 +140,26 @@ pub enum LookupError {
     /// Reading failed.
     #[error("looking up the idempotency key")]
     Read(#[source] ReadError),
+}
+
+/// Whether SQLite says that there is no room (`SQLITE_FULL`): of a full disk, and of its own limit.
+pub(crate) fn is_full(error: &sqlx::Error) -> bool {
+    if let sqlx::Error::Io(error) = error {
+        return error.kind() == std::io::ErrorKind::StorageFull;
+    }
+    error
+        .as_database_error()
+        .and_then(sqlx::error::DatabaseError::code)
+        .is_some_and(|code| code == "13")
+}
+
+fn size(bytes: u64) -> String {
+    const MIB: u64 = 1 << 20;
+    if bytes.is_multiple_of(MIB) {
+        format!("{} MiB", bytes / MIB)
+    } else {
+        format!("{} KiB", bytes >> 10)
+    }
 }
 
 pub(crate) fn check_limit(limit: usize) -> Result<(), ReadError> {

@@ -21,6 +21,9 @@ pub trait Journal: Send + Sync + 'static {
     /// The last durable record. Kept elsewhere, it shows a cut or replaced end.
     fn head(&self) -> Head;
 
+    /// Whether there is room for what begins something.
+    fn room(&self) -> Room;
+
     /// Keeps a record; returns when it is durable.
     ///
     /// # Errors
@@ -111,6 +114,16 @@ pub trait Journal: Send + Sync + 'static {
         limit: usize,
     ) -> impl Future<Output = Result<Vec<Stored>, ReadError>> + Send;
 
+    /// Up to `limit` (at most [`MAX_PAGE`]) [`Audit`](Record::Audit) records before `before`, the newest first.
+    ///
+    /// # Errors
+    /// [`ReadError`] if they cannot be read.
+    fn audits(
+        &self,
+        before: Position,
+        limit: usize,
+    ) -> impl Future<Output = Result<Vec<Stored>, ReadError>> + Send;
+
     /// Keeps an intent, and returns the permission to send it once it is durable.
     ///
     /// # Errors
@@ -127,6 +140,31 @@ pub trait Journal: Send + Sync + 'static {
                 Appended::New(receipt) => Begun::New(DurableIntent { motion, receipt }),
                 Appended::Replayed(replay) => Begun::Replayed(replay),
             })
+        }
+    }
+}
+
+/// How much room a journal has.
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
+pub enum Room {
+    /// For everything.
+    #[default]
+    Free,
+    /// The disk is full: for what ends or tells, in the reserve. What [begins](Record::begins_work) something is
+    /// [`AppendError::NoRoom`].
+    Reserve {
+        /// Its size in bytes.
+        bytes: u64,
+    },
+}
+
+impl Room {
+    /// What is answered to what would begin something.
+    #[must_use]
+    pub fn refusal(self) -> Option<AppendError> {
+        match self {
+            Self::Free => None,
+            Self::Reserve { bytes } => Some(AppendError::NoRoom { reserve: bytes }),
         }
     }
 }

@@ -65,7 +65,7 @@ pub use export::{LineError, read_line, write_line};
 pub use id::{Clocks, DecisionId, Epoch, JobId, MotionId, Position, SignalId};
 pub use idempotency::{Claim, IdempotencyKey, KeyError, KeyRetention};
 pub use journal::{
-    Appended, Begun, DurableIntent, Journal, MAX_PAGE, MotionStory, Receipt, Replay,
+    Appended, Begun, DurableIntent, Journal, MAX_PAGE, MotionStory, Receipt, Replay, Room,
 };
 pub use memory::{Fault, MemoryDisk, MemoryJournal, MemoryOpenError};
 pub use opening::Opening;

@@ -224,3 +224,37 @@ async fn the_key_of_a_decision_is_taken_once_and_survives_an_opening() {
     let (_other, copy) = directory();
     assert_eq!(import(&copy, &mut &lines[..]).await.unwrap(), head);
 }
+
+/// What was done comes back alone, the newest first, page by page, whatever other records say in their texts.
+async fn audits_are_paged(journal: &impl Journal) {
+    let liar = r#"{"record":{"kind":"audit","principal":"nobody"}}"#;
+    let facts = CellDecided {
+        cell: "c1".into(),
+        facts: liar.into(),
+        claim: None,
+    };
+    for n in 0..10 {
+        let other = Record::CellDecided(facts.clone());
+        for record in [other, audit(n)] {
+            let _new = journal.append(at(n), record).await.unwrap();
+        }
+    }
+    let mut before = journal.head().position.next();
+    let mut found = Vec::new();
+    loop {
+        let page = journal.audits(before, 3).await.unwrap();
+        let Some(last) = page.last() else { break };
+        before = last.position;
+        found.extend(page.into_iter().map(|stored| stored.record));
+    }
+    let expected: Vec<_> = (0..10).rev().map(audit).collect();
+    assert_eq!(found, expected);
+}
+
+#[tokio::test]
+async fn audits_are_paged_in_both_stores() {
+    let (_directory, path) = directory();
+    audits_are_paged(&open(&path).await).await;
+    let memory = MemoryJournal::open(&MemoryDisk::new(), &opening()).unwrap();
+    audits_are_paged(&memory).await;
+}

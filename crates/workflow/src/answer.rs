@@ -68,12 +68,60 @@ impl Work<'_> {
         if question.session.is_some() {
             return self.answer_session(&question, decided);
         }
+        if let (None, Some(load)) = (question.job, &question.load) {
+            return self.answer_load(&question, load, decided, principal, reason);
+        }
         let Some(job) = question.job.and_then(|j| self.job(j)) else {
             return Err(conflict("its job is not known any more".into()));
         };
         let reply = self.answer_job(&job, &question, decided, principal)?;
         self.wait_anew(job.id);
         Ok(reply)
+    }
+
+    /// The question where a load is that no job has.
+    fn answer_load(
+        &mut self,
+        question: &Question,
+        asked: &str,
+        decided: Decided,
+        principal: &Principal,
+        reason: &str,
+    ) -> Result<Reply, Refusal> {
+        let Detail::Custody {
+            load,
+            confirm,
+            location,
+        } = &decided.detail
+        else {
+            return Err(Refusal::Invalid {
+                item: "detail".into(),
+                problem: format!("{:?} needs to know where", decided.answer),
+            });
+        };
+        if load != asked {
+            return Err(Refusal::Conflict {
+                command: format!("answer {:?}", decided.answer),
+                text: format!("the question is about load {asked}"),
+            });
+        }
+        self.set_custody(load, location, confirm, principal, reason)?;
+        self.answers_instead_of_withdrawing(question);
+        self.emit(Fact::Answered {
+            intervention: question.id,
+            decided,
+        });
+        Ok(Reply::Done)
+    }
+
+    /// The statement itself withdrew the question; here it is an answer.
+    fn answers_instead_of_withdrawing(&mut self, question: &Question) {
+        self.facts.retain(
+            |f| !matches!(f, Fact::Withdrawn { intervention, .. } if *intervention == question.id),
+        );
+        if let Some(open) = self.cell.book.interventions.get_mut(&question.id) {
+            std::sync::Arc::make_mut(open).withdrawn = None;
+        }
     }
 
     /// A job that goes on undoing after an answer begins its waits anew.
@@ -146,11 +194,7 @@ impl Work<'_> {
                     )));
                 }
                 self.set_custody(load, location, confirm, principal, &reason)?;
-                // The statement itself withdrew the question; here it is an answer.
-                self.facts.retain(|f| !matches!(f, Fact::Withdrawn { intervention, .. } if *intervention == question.id));
-                if let Some(open) = self.cell.book.interventions.get_mut(&question.id) {
-                    std::sync::Arc::make_mut(open).withdrawn = None;
-                }
+                self.answers_instead_of_withdrawing(question);
             }
             (Answer::SwapMobileRobot, Detail::MobileRobot { mobile_robot }) => {
                 self.check_swap(job, mobile_robot)?;
@@ -205,6 +249,10 @@ impl Work<'_> {
                 }
             }
             Answer::Retry => self.retry(job, question, &why, &reason),
+            Answer::Redispatch if question.fault == Fault::DockFailed && self.back_out(job) => {
+                self.again(job, Phase::Dock);
+                self.resume_job(job, why, &reason);
+            }
             Answer::Redispatch => {
                 if !self.redispatch(job) {
                     // It waits once more for the one that was ordered.
@@ -423,12 +471,7 @@ impl Work<'_> {
     fn retry(&mut self, job: &Job, question: &Question, why: &Why, reason: &str) {
         if question.fault == Fault::TransportFailed
             && let Some(mobile_robot) = job.mobile_robot.clone()
-            && let Some(transport) = self
-                .cell
-                .book
-                .mobiles
-                .get(&mobile_robot)
-                .and_then(|m| m.transport.clone())
+            && let Some(transport) = self.transport_of(&mobile_robot)
         {
             self.resend_transport(&mobile_robot, &transport);
             self.again(job, Phase::Transport);
@@ -522,12 +565,7 @@ impl Work<'_> {
         let Some(from) = job.mobile_robot.clone() else {
             return;
         };
-        let transport = self
-            .cell
-            .book
-            .mobiles
-            .get(&from)
-            .and_then(|m| m.transport.clone());
+        let transport = self.transport_of(&from);
         for item in &job.items {
             let there = Location::MobileRobot {
                 mobile_robot: from.clone(),
@@ -562,8 +600,15 @@ impl Work<'_> {
                 job: job.id,
                 order,
                 destination,
+                session: None,
+                update: 1,
             });
-            let transport = crate::book::Transport { order, ..transport };
+            let transport = crate::book::Transport {
+                order,
+                session: None,
+                update: 1,
+                ..transport
+            };
             self.resend_transport(to, &transport);
         }
         self.again(job, Phase::Transport);

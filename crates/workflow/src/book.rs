@@ -47,6 +47,8 @@ pub(crate) struct Transport {
     pub job: Uuid,
     pub order: Uuid,
     pub destination: String,
+    pub session: Option<Uuid>,
+    pub update: u32,
 }
 
 /// What is kept of a mobile robot.
@@ -56,9 +58,20 @@ pub(crate) struct Mobile {
     pub seq: u64,
     pub answers: VecDeque<(u64, SignalAnswer)>,
     pub parked: Option<Signal>,
+    /// Numbers of this boot that were given up, from and to.
+    pub lost: VecDeque<(u64, u64)>,
     pub sent: u64,
     pub outbox: VecDeque<OutMessage>,
     pub transport: Option<Transport>,
+}
+
+impl Mobile {
+    pub(crate) fn remember(&mut self, seq: u64, answer: SignalAnswer) {
+        self.answers.push_back((seq, answer));
+        if self.answers.len() > 64 {
+            drop(self.answers.pop_front());
+        }
+    }
 }
 
 /// Everything that facts say. Equal facts make equal books.

@@ -15,7 +15,7 @@ impl Work<'_> {
     pub(crate) fn take_input(&mut self, input: Input) -> Result<Reply, Refusal> {
         match input {
             Input::Recover => Ok(self.recover()),
-            Input::CreateJob { job } => self.create(*job, None).map(Reply::Created),
+            Input::CreateJob { job } => self.create(*job).map(Reply::Created),
             Input::JobCommand {
                 job,
                 command,
@@ -23,6 +23,12 @@ impl Work<'_> {
                 reason,
             } => self.command(job, command, &principal, &reason),
             Input::Signal(signal) => self.signal(*signal),
+            Input::InstantAction {
+                mobile_robot,
+                action,
+                principal,
+                reason,
+            } => self.instant(mobile_robot, action, &principal, reason),
             Input::OutboxTaken { mobile_robot, n } => {
                 let waiting = self.cell.book.mobiles.get(&mobile_robot);
                 if !waiting.is_some_and(|m| m.outbox.iter().any(|o| o.n <= n)) {
@@ -71,17 +77,24 @@ impl Work<'_> {
     }
 
     /// A new job in the queue.
-    pub(crate) fn create(
+    pub(crate) fn create(&mut self, spec: NewJob) -> Result<Uuid, Refusal> {
+        self.create_for(spec, None)
+    }
+
+    /// The same, of a trigger and of the signal that fired it.
+    pub(crate) fn create_for(
         &mut self,
         spec: NewJob,
-        trigger: Option<String>,
+        from: Option<(String, String)>,
     ) -> Result<Uuid, Refusal> {
         let items = items_of(&self.cell, &spec, self.now)?;
         let job = self.ids.next_id();
+        let (trigger, origin) = from.unzip();
         self.emit(Fact::JobCreated {
             job,
             spec: Box::new(spec),
             trigger,
+            origin,
             items,
         });
         Ok(job)
@@ -193,7 +206,8 @@ impl Work<'_> {
                     .is_some_and(|j| j.items.iter().any(|i| i.load.as_deref() == Some(load)))
         });
         let moving = self.cell.book.jobs.values().any(|j| {
-            j.items.iter().any(|i| i.load.as_deref() == Some(load))
+            !(matches!(now, Location::Unknown { .. }) && crate::cell::Cell::is_in_transport(j))
+                && j.items.iter().any(|i| i.load.as_deref() == Some(load))
                 && (j.state.runs() && j.compensation != crate::Compensation::Blocked
                     || j.state.is_acting() && j.state != JobState::Stopping)
         });

@@ -4,9 +4,11 @@ use uuid::Uuid;
 
 use crate::book::OpState;
 use crate::cell::Cell;
+use crate::custody::Location;
 use crate::effect::Action;
 use crate::input::{ArmSeen, Safety};
-use crate::job::Job;
+use crate::job::params::Workflow;
+use crate::job::{Job, JobState};
 use crate::permits::Permit;
 use crate::session::Session;
 use crate::setup::Point;
@@ -117,6 +119,28 @@ impl Cell {
             ));
         }
         Ok(())
+    }
+
+    /// Nothing is booked where a load is to be put down, and the mobile robot reports nothing there either. What it says
+    /// of a slot that is being emptied again comes too late to be asked.
+    pub(crate) fn is_target_free(&self, job: &Job, at: &Location) -> bool {
+        let reported = |mobile_robot: &str, slot: &str| {
+            let loads = self.mobile_seen(mobile_robot)?.loads.as_ref()?;
+            loads.iter().find(|load| load.slot == *slot).map(drop)
+        };
+        let taken = match at {
+            Location::MobileRobot { mobile_robot, slot } => {
+                reported(mobile_robot, slot).is_some()
+                    && job.spec.workflow == Workflow::PickupAndDelivery
+                    && job.state != JobState::Stopping
+                    && !job.loads_accepted
+            }
+            Location::Fixed { .. }
+            | Location::Gripper { .. }
+            | Location::Delivered { .. }
+            | Location::Unknown { .. } => false,
+        };
+        !taken && self.is_free(at)
     }
 
     /// Operations of a job that have not ended.

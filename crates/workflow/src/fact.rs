@@ -14,7 +14,7 @@ use crate::job::params::NewJob;
 use crate::job::{Compensation, Item, JobState, PlannedStep, StepState, Why};
 use crate::session::SessionState;
 use crate::setup::{PlaceRef, Setup};
-use crate::signal::{Message, Signal, SignalAnswer};
+use crate::signal::{InstantAction, Message, Signal, SignalAnswer};
 use crate::timers::TimerKey;
 
 /// How far a session is taken back, so that a part of it is done again.
@@ -41,6 +41,8 @@ pub enum Fact {
         job: Uuid,
         spec: Box<NewJob>,
         trigger: Option<String>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        origin: Option<String>,
         items: Vec<Item>,
     },
     /// A job got its arm and mobile robot.
@@ -147,6 +149,8 @@ pub enum Fact {
     SessionResent { session: Uuid },
     /// A part of the session has to be done again.
     SessionRewound { session: Uuid, to: Rewind },
+    /// A mobile robot that could not dock was told to give up and to drive out.
+    SessionBacksOut { session: Uuid },
     /// An integrator accepted the measured dock pose.
     MeasuredAccepted { session: Uuid },
     /// A mobile robot drives out.
@@ -164,6 +168,13 @@ pub enum Fact {
         signal: Box<Signal>,
         answer: SignalAnswer,
     },
+    /// Signals that will not come any more: if they do, they are not acted on.
+    SignalsLost {
+        mobile_robot: String,
+        boot: u64,
+        from: u64,
+        to: u64,
+    },
     /// A heartbeat arrived. Not kept.
     Beat { signal: Box<Signal> },
     /// A mobile robot drives with loads to a destination.
@@ -172,9 +183,29 @@ pub enum Fact {
         job: Uuid,
         order: Uuid,
         destination: String,
+        /// The hand-over session that it follows, and the update of its order.
+        #[serde(default)]
+        session: Option<Uuid>,
+        #[serde(default)]
+        update: u32,
     },
     /// That drive is over.
     TransportEnded { mobile_robot: String },
+    /// A trigger was meant and started no job.
+    TriggerSkipped {
+        trigger: String,
+        mobile_robot: String,
+        boot: u64,
+        seq: u64,
+        text: String,
+    },
+    /// A human had something done by a mobile robot.
+    InstantActed {
+        mobile_robot: String,
+        action: InstantAction,
+        principal: String,
+        reason: Option<String>,
+    },
     /// A load that was not configured.
     LoadRegistered {
         load: String,

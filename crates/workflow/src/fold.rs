@@ -42,6 +42,7 @@ impl Cell {
                 job,
                 spec,
                 trigger,
+                origin,
                 items,
             } => {
                 self.book.created += 1;
@@ -50,6 +51,7 @@ impl Cell {
                     number: self.book.created,
                     spec: (**spec).clone(),
                     trigger: trigger.clone(),
+                    origin: origin.clone(),
                     state: JobState::Idle,
                     why: Why::Course,
                     text: String::new(),
@@ -219,6 +221,7 @@ impl Cell {
                     echoes: false,
                     left: false,
                     dock_tries: 0,
+                    backs_out: false,
                     measured_accepted: false,
                     resends: 0,
                 };
@@ -263,6 +266,9 @@ impl Cell {
                 self.session_mut(session, |s| s.resends = s.resends.saturating_add(1));
             }
             Fact::SessionRewound { session, to } => self.session_mut(session, |s| rewind(s, *to)),
+            Fact::SessionBacksOut { session } => {
+                self.session_mut(session, |s| s.backs_out = true);
+            }
             Fact::MeasuredAccepted { session } => {
                 self.session_mut(session, |s| s.measured_accepted = true);
             }
@@ -282,6 +288,27 @@ impl Cell {
                 self.mobile_mut(mobile_robot, |m| m.outbox.retain(|o| o.n > *n));
             }
             Fact::Signaled { signal, answer } => self.fold_signal(fresh, signal, answer),
+            Fact::SignalsLost {
+                mobile_robot,
+                boot,
+                from,
+                to,
+            } => self.mobile_mut(mobile_robot, |m| {
+                if m.boot != *boot {
+                    m.answers.clear();
+                    m.lost.clear();
+                    (m.boot, m.parked) = (*boot, None);
+                    m.seq = 0;
+                }
+                if m.parked.as_ref().is_some_and(|p| p.seq <= *to) {
+                    m.parked = None;
+                }
+                m.seq = m.seq.max(*to);
+                m.lost.push_back((*from, *to));
+                if m.lost.len() > 64 {
+                    let _oldest = m.lost.pop_front();
+                }
+            }),
             Fact::Beat { signal } => {
                 self.see(fresh, signal);
             }
@@ -290,18 +317,24 @@ impl Cell {
                 job,
                 order,
                 destination,
+                session,
+                update,
             } => {
                 self.mobile_mut(mobile_robot, |m| {
                     m.transport = Some(Transport {
                         job: *job,
                         order: *order,
                         destination: destination.clone(),
+                        session: *session,
+                        update: *update,
                     });
                 });
             }
             Fact::TransportEnded { mobile_robot } => {
                 self.mobile_mut(mobile_robot, |m| m.transport = None);
             }
+            // They are records: what was told is a fact of its own.
+            Fact::TriggerSkipped { .. } | Fact::InstantActed { .. } => {}
             Fact::LoadRegistered {
                 load,
                 kind,
@@ -454,9 +487,17 @@ impl Cell {
     }
 
     fn fold_signal(&mut self, fresh: bool, signal: &Signal, answer: &SignalAnswer) {
+        if matches!(answer, SignalAnswer::Late { .. }) {
+            // What it tells was overtaken long ago: it is remembered, and that is all.
+            self.mobile_mut(&signal.mobile_robot, |m| {
+                m.remember(signal.seq, answer.clone());
+            });
+            return;
+        }
         self.mobile_mut(&signal.mobile_robot, |m| {
             if m.boot != signal.boot {
                 m.answers.clear();
+                m.lost.clear();
                 (m.boot, m.seq, m.parked) = (signal.boot, 0, None);
             }
             if matches!(answer, SignalAnswer::Parked) {
@@ -467,10 +508,7 @@ impl Cell {
                 m.parked = None;
             }
             m.seq = m.seq.max(signal.seq);
-            m.answers.push_back((signal.seq, answer.clone()));
-            if m.answers.len() > 64 {
-                drop(m.answers.pop_front());
-            }
+            m.remember(signal.seq, answer.clone());
         });
         if matches!(answer, SignalAnswer::Parked) {
             if let Some(live) = self.live.mobiles.get_mut(&signal.mobile_robot)
@@ -536,6 +574,13 @@ impl Cell {
             ) {
                 // What was granted and not fetched yet must not be fetched before it is taken back.
                 m.outbox.retain(|o| !o.message.grants());
+            }
+            if let Message::TransportOrder { order, .. } = message {
+                // An order of the same hand-over that was not fetched yet is not driven to any more.
+                m.outbox.retain(|o| {
+                    let other = matches!(&o.message, Message::TransportOrder { order: earlier, .. } if earlier != order);
+                    !(other && o.session == session && session.is_some())
+                });
             }
             m.outbox.push_back(out.clone());
             if m.outbox.len() > REMEMBERED {
@@ -620,6 +665,7 @@ fn fold_said(s: &mut Session, signal: &Signal) {
 
 fn rewind(session: &mut Session, to: Rewind) {
     (session.docked, session.ready, session.measured_accepted) = (None, false, false);
+    session.backs_out = false;
     if to == Rewind::Order {
         (session.order, session.update) = (None, 0);
         (session.assigned, session.arrived, session.cleared) = (false, false, false);

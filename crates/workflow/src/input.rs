@@ -9,7 +9,7 @@ use crate::ids::Millis;
 use crate::intervention::{Answer, Detail};
 use crate::job::params::NewJob;
 use crate::setup::Setup;
-use crate::signal::{Signal, SignalAnswer};
+use crate::signal::{InstantAction, Signal, SignalAnswer};
 
 /// Safety state of an arm, as reported.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -157,6 +157,17 @@ pub enum Input {
     },
     /// A mobile robot said something.
     Signal(Box<Signal>),
+    /// A human has something done by a mobile robot.
+    InstantAction {
+        /// By whom.
+        mobile_robot: String,
+        /// What.
+        action: InstantAction,
+        /// Who.
+        principal: Principal,
+        /// Why.
+        reason: Option<String>,
+    },
     /// A mobile robot fetched its messages up to this number.
     OutboxTaken {
         /// Who.
@@ -276,6 +287,14 @@ pub enum Refusal {
         /// What was asked for.
         command: String,
         /// Why not.
+        text: String,
+    },
+    /// 409: it would bring an arm and a mobile robot together.
+    #[error("{command} is not safe: {text}")]
+    Interlock {
+        /// What was asked for.
+        command: String,
+        /// What is in the way.
         text: String,
     },
     /// 403.

@@ -40,9 +40,11 @@ mod faults;
 mod fold;
 mod ids;
 mod input;
+mod instant;
 mod intervention;
 mod invariants;
 mod job;
+mod loads_in;
 mod permits;
 mod queue;
 mod react;
@@ -57,6 +59,7 @@ mod signals_in;
 mod supervise;
 mod timers;
 mod timers_in;
+mod triggers;
 pub mod view;
 mod work;
 
@@ -84,7 +87,7 @@ pub use setup::{
     Taught, Tolerance, Trigger,
 };
 pub use signal::{
-    Message, MobileError, MobileMode, MobileState, OutMessage, Signal, SignalAnswer, SignalKind,
-    SlotLoad,
+    InstantAction, Message, MobileError, MobileMode, MobileState, OutMessage, Signal, SignalAnswer,
+    SignalKind, SlotLoad,
 };
 pub use timers::{Running, TimerKey, Timers};

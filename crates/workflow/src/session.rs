@@ -89,7 +89,7 @@ impl SessionState {
                     Self::Transferring | Self::Docked | Self::TransferReady | Self::Faulted
                 )
             }
-            Self::ExitGranted => matches!(self, Self::TransferDone),
+            Self::ExitGranted => matches!(self, Self::TransferDone | Self::Canceling),
             Self::Exited => !matches!(self, Self::Released | Self::Canceled | Self::Exited),
             Self::Released => matches!(self, Self::Exited),
             Self::Faulted => !self.is_closed(),
@@ -137,6 +137,8 @@ pub(crate) struct Session {
     /// It was seen driving out.
     pub left: bool,
     pub dock_tries: u8,
+    /// It was told to give docking up and to drive out.
+    pub backs_out: bool,
     pub measured_accepted: bool,
     /// How often the request of this state was sent again.
     pub resends: u8,

@@ -46,6 +46,11 @@ impl Work<'_> {
             SessionState::AccessGranted if session.arrived && runs => {
                 self.move_session(session, SessionState::Positioned);
             }
+            SessionState::Positioned if session.backs_out => {
+                if let Some(job) = job.filter(|_| session.cleared && runs) {
+                    let _called = self.redispatch(&job);
+                }
+            }
             SessionState::Positioned if session.docked.is_some() && runs => {
                 match self.cell.dock_evidence(session) {
                     Ok(()) => {
@@ -70,6 +75,11 @@ impl Work<'_> {
                 });
             }
             SessionState::Canceling => {
+                let inside = seen.as_ref().is_some_and(|s| {
+                    s.at_point.as_deref() == Some(&session.point)
+                        && !s.driving
+                        && s.mode.is_automatic()
+                });
                 // Away for certain: it said so, or it reports to be elsewhere without this order.
                 let away = seen.is_some_and(|s| {
                     s.order != session.order
@@ -79,6 +89,10 @@ impl Work<'_> {
                 });
                 if session.cleared || away || !session.assigned && session.resends > 0 {
                     self.close(session, SessionState::Canceled);
+                } else if inside && self.cell.arm_clear(&point) {
+                    // It gave its order up in the zone, and may not stay there: it needs the permit to drive out.
+                    self.move_session(session, SessionState::ExitGranted);
+                    self.tell_exit(session);
                 }
             }
             SessionState::Exited => self.close(session, SessionState::Released),

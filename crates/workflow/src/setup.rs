@@ -185,18 +185,38 @@ pub struct LoadSetup {
     pub at: Location,
 }
 
-/// A signal that starts a job when no session of that mobile robot is open.
+/// A signal that starts a job: of a mobile robot that comes by itself, without an order of the cell.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Trigger {
     /// Its id, shown as the job's origin.
     pub id: String,
-    /// The signal, usually `MR_READY`.
+    /// It starts jobs.
+    pub enabled: bool,
+    /// The signal, usually `MR_ARRIVED`. Never a heartbeat: those are not kept, so nothing may follow from one.
     pub signal: SignalKind,
-    /// The point the signal has to name in `at_point`.
-    pub point: String,
-    /// The job. Its mobile robot is replaced by the one that signaled.
+    /// Only of this mobile robot; `None`: of any.
+    pub mobile_robot: Option<String>,
+    /// The points of which the signal has to name one in `at_point`; empty: wherever it is.
+    pub points: Vec<String>,
+    /// How long after the signal the job has to have started.
+    pub deadline_ms: Option<crate::ids::Millis>,
+    /// The job. Where it names no mobile robot, it is for the one that signaled.
     pub job: NewJob,
+}
+
+impl Trigger {
+    /// Whether it is meant.
+    pub(crate) fn is_meant(&self, signal: &crate::signal::Signal) -> bool {
+        let at = signal.state.at_point.as_ref();
+        self.enabled
+            && self.signal == signal.kind
+            && self
+                .mobile_robot
+                .as_ref()
+                .is_none_or(|only| *only == signal.mobile_robot)
+            && (self.points.is_empty() || at.is_some_and(|at| self.points.contains(at)))
+    }
 }
 
 /// Why a configuration cannot be used.
@@ -229,6 +249,7 @@ impl Setup {
             ("points", self.points.iter().map(|p| &p.id).collect()),
             ("places", self.places.iter().map(|p| &p.id).collect()),
             ("loads", self.loads.iter().map(|l| &l.id).collect()),
+            ("triggers", self.triggers.iter().map(|t| &t.id).collect()),
         ] {
             let mut seen = BTreeSet::new();
             for id in ids {
@@ -291,8 +312,22 @@ impl Setup {
             }
         }
         for trigger in &self.triggers {
-            if self.point(&trigger.point).is_none() {
-                say(format!("triggers.{}.point", trigger.id), "unknown point");
+            if self.point(&trigger.job.point).is_none() {
+                say(
+                    format!("triggers.{}.job.point", trigger.id),
+                    "unknown point",
+                );
+            }
+            if trigger.signal == SignalKind::MrHeartbeat {
+                say(format!("triggers.{}.signal", trigger.id), "is not kept");
+            }
+            let robots = [&trigger.mobile_robot, &trigger.job.mobile_robot];
+            let unknown = |id: &&String| self.mobile_robot(id).is_none();
+            if robots.into_iter().flatten().any(|id| unknown(&id)) {
+                say(
+                    format!("triggers.{}.mobile_robot", trigger.id),
+                    "unknown mobile robot",
+                );
             }
         }
         errors

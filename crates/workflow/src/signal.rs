@@ -80,7 +80,7 @@ pub struct MobileState {
     pub battery_percent: f64,
     /// Mode.
     pub mode: MobileMode,
-    /// Occupied slots; `None`: it has no sensors to say.
+    /// Occupied slots; empty: it is known to carry nothing; `None`: it has no sensors to say.
     pub loads: Option<Vec<SlotLoad>>,
     /// The order it works on.
     pub order: Option<Uuid>,
@@ -104,6 +104,9 @@ pub struct Signal {
     pub seq: u64,
     /// What.
     pub kind: SignalKind,
+    /// A heartbeat that says: whatever of this boot has a lower number and did not arrive is lost for ever.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub resync: bool,
     /// The state at that moment.
     pub state: MobileState,
 }
@@ -128,6 +131,21 @@ pub enum SignalAnswer {
         /// This is the stored answer to an earlier copy.
         duplicate: bool,
     },
+    /// 409 `handover-conflict`: more than one number before it is missing. Nothing is kept, and its number is not used
+    /// up: the mobile robot sends from `expected`, or a heartbeat that says that what is missing is lost.
+    Gap {
+        /// The boot.
+        boot: u64,
+        /// The next number.
+        expected: u64,
+        /// The number that came.
+        got: u64,
+    },
+    /// 200: it was given up as lost before it came. Kept as a record, not acted on.
+    Late {
+        /// This is the stored answer to an earlier copy.
+        duplicate: bool,
+    },
     /// 410 `session-closed`: kept as a record, not acted on.
     Closed {
         /// The session it named.
@@ -143,12 +161,34 @@ impl SignalAnswer {
     pub fn for_duplicate(mut self) -> Self {
         match &mut self {
             Self::Accepted { duplicate }
+            | Self::Late { duplicate }
             | Self::Conflict { duplicate, .. }
             | Self::Closed { duplicate, .. } => *duplicate = true,
-            Self::Parked => {}
+            Self::Parked | Self::Gap { .. } => {}
         }
         self
     }
+}
+
+/// What a human may have a mobile robot do at once (VDA 5050: instant actions).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(tag = "action", rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum InstantAction {
+    /// Stand still.
+    StartPause,
+    /// Go on.
+    StopPause,
+    /// Give an order up.
+    CancelOrder {
+        /// Which; `None`: the one it reports.
+        order: Option<Uuid>,
+    },
+    /// Do again what failed.
+    Retry,
+    /// Give up what failed.
+    SkipRetry,
+    /// Say all that is so now.
+    StateRequest,
 }
 
 /// What the cell tells a mobile robot.
@@ -164,6 +204,9 @@ pub enum Message {
         dock: Option<BasePose>,
         route: Vec<BasePose>,
         then_to: Option<String>,
+        /// What is to be taken off where the order ends; `None` in orders of earlier versions.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        unload: Option<Vec<SlotLoad>>,
     },
     MovePermit {
         granted: bool,
@@ -181,6 +224,7 @@ pub enum Message {
     StopPause,
     Retry,
     SkipRetry,
+    StateRequest,
 }
 
 impl Message {

@@ -41,6 +41,13 @@ impl Work<'_> {
         }
         let known = self.cell.book.mobiles.get(&id).cloned().unwrap_or_default();
         let got = || format!("boot {} seq {}", signal.boot, signal.seq);
+        if signal.resync && signal.kind != SignalKind::MrHeartbeat {
+            return Err(Refusal::Invalid {
+                item: "resync".into(),
+                problem: "only MR_HEARTBEAT, which says all that is so now, may give numbers up"
+                    .into(),
+            });
+        }
         // Heartbeats are not kept, so after a restart of this process the next number is not known.
         let live = self.cell.live.mobiles.get(&id).filter(|m| m.synced);
         let synced = live.is_some();
@@ -55,13 +62,23 @@ impl Work<'_> {
         let last = if signal.boot == boot { seq } else { 0 };
         if signal.seq <= last {
             let stored = known.answers.iter().find(|(seq, _)| *seq == signal.seq);
+            let given_up = known.boot == signal.boot
+                && known
+                    .lost
+                    .iter()
+                    .any(|(from, to)| (*from..=*to).contains(&signal.seq));
+            if stored.is_none() && given_up {
+                return Ok(Reply::Signal(self.too_late(signal)));
+            }
             let answer = stored.map_or(SignalAnswer::Accepted { duplicate: true }, |(_, a)| {
                 a.clone().for_duplicate()
             });
             return Ok(Reply::Signal(answer));
         }
         let follows = signal.seq == last + 1 || (!synced && signal.boot == boot);
-        if !follows {
+        if !follows && signal.resync {
+            self.give_up(&signal, last, known.parked.clone());
+        } else if !follows {
             if signal.seq == last + 2 {
                 if known.parked.as_ref() != Some(&signal) {
                     let answer = SignalAnswer::Parked;
@@ -72,10 +89,10 @@ impl Work<'_> {
                 }
                 return Ok(Reply::Signal(SignalAnswer::Parked));
             }
-            return Ok(Reply::Signal(SignalAnswer::Conflict {
-                expected: format!("boot {} seq {}", signal.boot, last + 1),
-                got: got(),
-                duplicate: false,
+            return Ok(Reply::Signal(SignalAnswer::Gap {
+                boot: signal.boot,
+                expected: last + 1,
+                got: signal.seq,
             }));
         }
         let parked = known
@@ -88,6 +105,64 @@ impl Work<'_> {
             let _answer = self.act_on(parked);
         }
         Ok(Reply::Signal(answer))
+    }
+
+    /// The mobile robot has lost what is missing before this heartbeat: nobody waits for it any longer. What is parked
+    /// has its turn now.
+    fn give_up(&mut self, signal: &Signal, last: u64, parked: Option<Signal>) {
+        let boot = signal.boot;
+        let mut from = last + 1;
+        if let Some(parked) = parked.filter(|p| p.boot == boot && p.seq < signal.seq) {
+            let seq = parked.seq;
+            self.lose(&signal.mobile_robot, boot, from, seq.saturating_sub(1));
+            let _answer = self.act_on(parked);
+            self.settle();
+            from = seq + 1;
+        }
+        self.lose(
+            &signal.mobile_robot,
+            boot,
+            from,
+            signal.seq.saturating_sub(1),
+        );
+    }
+
+    fn lose(&mut self, mobile_robot: &str, boot: u64, from: u64, to: u64) {
+        if from > to {
+            return;
+        }
+        if let Some(session) = self.cell.book.open_session_of(mobile_robot) {
+            let job = session.job;
+            self.note(
+                job,
+                Fault::StaleSignal,
+                format!("signals {from} to {to} of boot {boot} are lost"),
+            );
+        }
+        self.emit(Fact::SignalsLost {
+            mobile_robot: mobile_robot.to_owned(),
+            boot,
+            from,
+            to,
+        });
+    }
+
+    /// It was given up as lost: what it says was true once.
+    fn too_late(&mut self, signal: Signal) -> SignalAnswer {
+        let answer = SignalAnswer::Late { duplicate: false };
+        if let Some(session) = self.cell.book.open_session_of(&signal.mobile_robot) {
+            let (job, kind) = (session.job, signal.kind);
+            self.note(
+                job,
+                Fault::StaleSignal,
+                format!("{kind:?} came after it was given up, and was not acted on"),
+            );
+        }
+        self.emit(Fact::Signaled {
+            signal: Box::new(signal),
+            answer: answer.clone(),
+        });
+        answer
     }
 
     /// A signal whose turn it is.
@@ -131,7 +206,11 @@ impl Work<'_> {
     fn judge(&self, signal: &Signal) -> SignalAnswer {
         let accepted = SignalAnswer::Accepted { duplicate: false };
         let open = self.cell.book.open_session_of(&signal.mobile_robot);
-        if let Some(named) = signal.session {
+        // The order outlives its hand-over: until the loads are delivered, it is answered and reported.
+        let of_transport = open.is_none() && self.is_of_transport(signal);
+        if let Some(named) = signal.session
+            && !of_transport
+        {
             match self.cell.book.sessions.get(&named) {
                 Some(s) if s.state.is_closed() && signal.kind != SignalKind::MrDelivered => {
                     return SignalAnswer::Closed {
@@ -175,6 +254,9 @@ impl Work<'_> {
             .open_session_of(&signal.mobile_robot)
             .cloned();
         match signal.kind {
+            SignalKind::MrRejected if session.is_none() && self.is_of_transport(signal) => {
+                self.transport_stuck(&signal.mobile_robot, "it refused its order");
+            }
             SignalKind::MrRejected => {
                 if let Some(job) = session.and_then(|s| self.job(s.job))
                     && job
@@ -190,13 +272,13 @@ impl Work<'_> {
                 }
             }
             SignalKind::MrDelivered => self.delivered(&signal.mobile_robot),
+            SignalKind::LoadChanged => self.loads_gone(signal),
             SignalKind::MrFault if session.is_none() => self.fault_under_way(signal),
             SignalKind::MrAssigned
             | SignalKind::MrArrived
             | SignalKind::MrDocked
             | SignalKind::MrReady
             | SignalKind::MrClear
-            | SignalKind::LoadChanged
             | SignalKind::MrHeartbeat
             | SignalKind::MrFault
             | SignalKind::MrMode => {}
@@ -206,13 +288,9 @@ impl Work<'_> {
 
     /// B15: custody goes to the destination.
     pub(crate) fn delivered(&mut self, mobile_robot: &str) {
-        let transport = self
-            .cell
-            .book
-            .mobiles
-            .get(mobile_robot)
-            .and_then(|m| m.transport.clone());
-        let Some(transport) = transport else { return };
+        let Some(transport) = self.transport_of(mobile_robot) else {
+            return;
+        };
         let on_it: Vec<_> = self
             .cell
             .book
@@ -264,58 +342,32 @@ impl Work<'_> {
         if !signal.state.errors.iter().any(|e| e.fatal) {
             return;
         }
-        let transport = self
-            .cell
-            .book
-            .mobiles
-            .get(&signal.mobile_robot)
-            .and_then(|m| m.transport.clone());
-        let job = transport.and_then(|t| self.job(t.job));
+        self.transport_stuck(&signal.mobile_robot, "it reports a fatal error");
+    }
+
+    /// F20, as it says itself.
+    fn transport_stuck(&mut self, mobile_robot: &str, text: &str) {
+        let job = self
+            .transport_of(mobile_robot)
+            .and_then(|t| self.job(t.job));
         if let Some(job) = job
             && let Some(step) = job.find(Phase::Transport)
             && job
                 .step(step)
                 .is_some_and(|s| s.state == crate::StepState::Running)
         {
-            self.transport_failed(&job, step);
+            self.transport_failed(&job, step, text);
         }
     }
 
-    /// A configured signal at a configured point starts a job.
-    fn trigger(&mut self, signal: &Signal) {
-        if self
-            .cell
-            .book
-            .open_session_of(&signal.mobile_robot)
-            .is_some()
-        {
-            return;
-        }
-        let Some(at) = &signal.state.at_point else {
-            return;
-        };
-        let setup = self.cell.setup.clone();
-        for trigger in setup
-            .triggers
-            .iter()
-            .filter(|t| t.signal == signal.kind && t.point == *at)
-        {
-            let waiting = self.cell.book.jobs.values().any(|j| {
-                !j.state.is_final()
-                    && j.trigger.as_deref() == Some(&trigger.id)
-                    && j.spec.mobile_robot.as_deref() == Some(&signal.mobile_robot)
-            });
-            let has_loads = trigger.job.workflow == crate::Workflow::PickupAndDelivery
-                || signal.state.loads.as_ref().is_none_or(|l| !l.is_empty());
-            if waiting || !has_loads {
-                continue;
-            }
-            let mut spec = trigger.job.clone();
-            spec.point.clone_from(&trigger.point);
-            spec.mobile_robot = Some(signal.mobile_robot.clone());
-            // A trigger that does not fit now starts nothing; the signal itself was fine.
-            let _created: Result<Uuid, Refusal> = self.create(spec, Some(trigger.id.clone()));
-        }
+    pub(crate) fn transport_of(&self, mobile_robot: &str) -> Option<crate::book::Transport> {
+        let mobile = self.cell.book.mobiles.get(mobile_robot)?;
+        mobile.transport.clone()
+    }
+
+    fn is_of_transport(&self, signal: &Signal) -> bool {
+        self.transport_of(&signal.mobile_robot)
+            .is_some_and(|t| signal.state.order == Some(t.order))
     }
 }
 
@@ -345,6 +397,7 @@ fn expected(session: &Session, order: Option<Uuid>, kind: SignalKind) -> Option<
                     state,
                     SessionState::ExitGranted | SessionState::Exited | SessionState::Canceling
                 )
+                || state == SessionState::Positioned && session.backs_out
         }
         SignalKind::MrRejected => state == SessionState::Reserved && session.order.is_some(),
         SignalKind::MrDelivered

@@ -181,7 +181,8 @@ impl Work<'_> {
         let jumped = session
             .docked
             .is_some_and(|d| !seen.pose.within(&d, point.tolerance));
-        let dropped = session.echoes && seen.order.is_none();
+        // One that was told to give up may stop naming its order before it is out.
+        let dropped = session.echoes && seen.order.is_none() && !session.backs_out;
         if session.state.is_docked() {
             let danger = permit == Permit::ArmEntry && self.cell.arm_may_be_in(&point);
             if danger && (seen.driving || jumped) {
@@ -270,6 +271,8 @@ impl Work<'_> {
             answers: vec![again, Answer::Cancel],
             ..Ask::default()
         };
+        // A job that undoes itself waits for the answer to its own question, which no other may replace.
+        let asked = job.state == JobState::Stopping && self.cell.book.question_of(job.id).is_some();
         self.react(
             job,
             Reaction {
@@ -278,7 +281,7 @@ impl Work<'_> {
                 permits: true,
                 stop: moving && in_zone && !leaving,
                 state: Some(JobState::Suspending),
-                ask: Some(ask),
+                ask: (!asked).then_some(ask),
                 ..Reaction::default()
             },
         );

@@ -174,7 +174,7 @@ impl Work<'_> {
                 Fault::HeartbeatLost,
                 "it is not ready for the transfer",
             ),
-            Phase::Transport => self.transport_failed(job, step),
+            Phase::Transport => self.transport_failed(job, step, "it is late"),
             Phase::Exit | Phase::Dismiss => {
                 if let Some(session) = self.cell.session_of(job).cloned() {
                     self.does_not_leave(&session, "it took too long");
@@ -340,27 +340,27 @@ impl Work<'_> {
     }
 
     /// F20: never "unload remotely".
-    pub(crate) fn transport_failed(&mut self, job: &Job, step: usize) {
+    pub(crate) fn transport_failed(&mut self, job: &Job, step: usize, text: &str) {
         let again = job.step(step).is_some_and(|s| s.resends == 0);
         let Some(mobile_robot) = job.mobile_robot.clone() else {
             return;
         };
-        let transport = self
-            .cell
-            .book
-            .mobiles
-            .get(&mobile_robot)
-            .and_then(|m| m.transport.clone());
-        let Some(transport) = transport else { return };
+        let Some(transport) = self.transport_of(&mobile_robot) else {
+            return;
+        };
         if again {
-            self.note(job.id, Fault::TransportFailed, "the order is sent again");
+            self.note(
+                job.id,
+                Fault::TransportFailed,
+                format!("{text}; the order is sent again"),
+            );
             self.emit(Fact::StepResent { job: job.id, step });
             self.resend_transport(&mobile_robot, &transport);
             return;
         }
         let ask = Ask {
             question: format!(
-                "{mobile_robot} does not deliver to {}.",
+                "{mobile_robot} does not deliver to {}: {text}.",
                 transport.destination
             ),
             known: vec![format!("the loads are booked on {mobile_robot}")],
@@ -376,7 +376,7 @@ impl Work<'_> {
             job,
             Reaction {
                 fault: Fault::TransportFailed,
-                text: "the transport did not end".into(),
+                text: format!("the transport did not end: {text}"),
                 state: Some(JobState::Suspending),
                 ask: Some(ask),
                 ..Reaction::default()
@@ -389,16 +389,22 @@ impl Work<'_> {
         mobile_robot: &str,
         transport: &crate::book::Transport,
     ) {
+        let unload = self
+            .job(transport.job)
+            .map(|job| self.cell.to_unload(&job, mobile_robot));
         self.emit(Fact::Told {
             mobile_robot: mobile_robot.to_owned(),
-            session: None,
+            // The mobile robot knows its order by this session, and answers with it.
+            session: transport.session,
             message: Message::TransportOrder {
                 order: transport.order,
-                update: 2,
+                // Orders of earlier versions have none; theirs was the second.
+                update: transport.update.max(1),
                 goal: transport.destination.clone(),
                 dock: None,
                 route: Vec::new(),
                 then_to: None,
+                unload,
             },
         });
     }

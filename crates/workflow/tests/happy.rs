@@ -160,8 +160,11 @@ fn a_signal_at_a_configured_point_starts_a_job() {
     let mut setup = world::setup();
     setup.triggers.push(workflow::Trigger {
         id: "unload".into(),
+        enabled: true,
         signal: workflow::SignalKind::MrReady,
-        point: world::POINT.into(),
+        mobile_robot: None,
+        points: vec![world::POINT.into()],
+        deadline_ms: Some(600_000),
         job: delivery(),
     });
     let mut w = World::with(setup, 1, world::Odds::default());

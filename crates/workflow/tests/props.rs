@@ -81,6 +81,7 @@ fn input(cell: &Cell, now: u64, kind: u8, n: u64, seq: &mut u64) -> Input {
                 boot: 1 + n / 1000,
                 seq: *seq,
                 kind: KINDS[pick(KINDS.len())],
+                resync: false,
                 state: MobileState {
                     pose: BasePose {
                         x_mm: if docked { 1000.0 } else { 0.0 },

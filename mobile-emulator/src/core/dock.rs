@@ -18,6 +18,13 @@ const DOCK_AIM: f64 = 0.2;
 impl Core {
     /// The end of a route.
     pub(super) fn arrived(&mut self) {
+        if self.mission.is_none()
+            && let Some(point) = self.visits.take()
+        {
+            self.at_point = Some(point);
+            self.signal(SignalName::MrArrived);
+            return;
+        }
         let Some(mission) = &mut self.mission else {
             return;
         };
@@ -343,14 +350,24 @@ impl Core {
     }
 
     fn unload(&mut self) {
-        let full: Vec<String> = self
-            .slots
-            .list()
-            .iter()
-            .filter(|slot| slot.load.is_some())
-            .map(|slot| slot.slot.clone())
-            .collect();
-        for slot in full {
+        let ordered = self
+            .mission
+            .as_ref()
+            .and_then(|mission| mission.order.unload.clone());
+        let mut taken_off = Vec::new();
+        for full in self.slots.list().iter().filter(|slot| slot.load.is_some()) {
+            let wanted = ordered.as_ref().is_none_or(|ordered| {
+                let mut ordered = ordered.iter();
+                // An order that does not know the load means whatever lies in the slot.
+                ordered.any(|one| {
+                    one.slot == full.slot && (one.load.is_none() || one.load == full.load)
+                })
+            });
+            if wanted {
+                taken_off.push(full.slot.clone());
+            }
+        }
+        for slot in taken_off {
             // The slot was full a moment ago.
             if let Ok(load) = self.slots.take(&slot) {
                 self.note(LedgerEvent::LoadTaken { slot, load });

@@ -8,6 +8,7 @@ mod snapshot;
 mod talk;
 mod tell;
 mod trouble;
+mod visit;
 
 #[cfg(test)]
 mod tests;
@@ -63,6 +64,8 @@ pub(crate) struct Core {
     /// The last message that was taken.
     seen: u64,
     mission: Option<Mission>,
+    /// The point it drives to by itself, without an order.
+    visits: Option<String>,
     /// Orders that are over.
     known: VecDeque<Uuid>,
     mode: OperatingMode,
@@ -116,6 +119,7 @@ impl Core {
             sends: VecDeque::new(),
             seen: 0,
             mission: None,
+            visits: None,
             known: VecDeque::new(),
             mode: config.mode,
             paused: false,

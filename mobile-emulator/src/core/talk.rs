@@ -97,6 +97,11 @@ impl Core {
             MobileMessage::CellReady
             | MobileMessage::TransferDone
             | MobileMessage::TransferFailed => self.of_session(session).map(drop),
+            MobileMessage::StateRequest => {
+                self.next_heartbeat = self.now;
+                self.heartbeat();
+                Ok(())
+            }
             MobileMessage::Retry => self.retry(session),
             MobileMessage::SkipRetry => {
                 let mission = self.failed_docking(session)?;
@@ -208,6 +213,7 @@ impl Core {
         if refuses.is_some() {
             return Err("a fault: it refuses the order".to_owned());
         }
+        self.finish_what_only_drives_out();
         if let Some(mission) = &self.mission {
             return Err(format!("it works on order {}", mission.order.order));
         }
@@ -230,13 +236,22 @@ impl Core {
         });
         let from = self.motion.believed();
         let mission = Mission::try_new(&self.plan, order, session, from, wrong)?;
-        let approach = mission.approach;
-        let legs = route::legs(&self.plan, from, &mission.order.route, approach)?;
+        // Without a hand-over it drives to where it gives its loads, and not only before a dock.
+        let (to, purpose) = match &mission.destination {
+            Some(destination) if mission.phase == Phase::Delivering => {
+                (destination.pose, Purpose::Deliver)
+            }
+            Some(_) | None => (mission.approach, Purpose::Approach),
+        };
+        let legs = route::legs(&self.plan, from, &mission.order.route, to)?;
+        self.visits = None;
         self.at_point = None;
-        self.learn(&mission);
+        if mission.phase == Phase::Approach {
+            self.learn(&mission);
+        }
         self.mission = Some(mission);
         self.refresh_obstacles();
-        if let Err(reason) = self.set_out(legs, approach, Purpose::Approach, Manner::Driving) {
+        if let Err(reason) = self.set_out(legs, to, purpose, Manner::Driving) {
             self.mission = None;
             self.refresh_obstacles();
             return Err(reason);
@@ -249,6 +264,18 @@ impl Core {
         });
         self.signal(SignalName::MrAssigned);
         Ok(())
+    }
+
+    /// An order whose hand-over is over, and that leads nowhere else, is over when another comes: what is left of it is
+    /// a way out of the way.
+    fn finish_what_only_drives_out(&mut self) {
+        let over = self
+            .mission
+            .as_ref()
+            .is_some_and(|m| m.clear_told && (m.destination.is_none() || m.aborted.is_some()));
+        if over {
+            self.end_order(OrderOutcome::Finished);
+        }
     }
 
     /// Remembers the zone of an order's point.

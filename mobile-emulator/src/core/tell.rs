@@ -17,6 +17,14 @@ impl Core {
             return;
         }
         let (signal, boot, seq) = (sent.signal, sent.boot, sent.seq);
+        if let SendOutcome::Gap { expected } = outcome {
+            self.note(LedgerEvent::Resynchronized { boot, expected });
+            self.cell_is(None);
+            let (at, data) = (self.wall_time(), self.data());
+            self.outbound.resync(at, self.now, data);
+            self.pump();
+            return;
+        }
         let answered = matches!(outcome, SendOutcome::Answered { .. });
         let away = (!answered).then(|| outcome.clone());
         let event = match outcome {
@@ -27,6 +35,7 @@ impl Core {
                 status,
                 answer,
             },
+            SendOutcome::Gap { .. } => return,
             SendOutcome::Unanswered { reason } => LedgerEvent::SignalUnanswered {
                 signal,
                 boot,
@@ -121,12 +130,9 @@ impl Core {
                 .any(|fault| matches!(fault, Fault::Unlocalized { .. })),
             battery_percent: self.charge,
             mode: self.mode,
-            loads: self.told_loads(),
-            order: self
-                .mission
-                .as_ref()
-                .filter(|mission| mission.aborted.is_none())
-                .map(|mission| mission.order.order),
+            loads: self.plan.detects_loads.then(|| self.told_loads()),
+            // An order that is given up is over when it has ended, as in VDA 5050: until then no other is taken.
+            order: self.mission.as_ref().map(|mission| mission.order.order),
             at_point: self.at_point.clone(),
             errors: self.errors.clone(),
         }

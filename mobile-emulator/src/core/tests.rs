@@ -85,6 +85,7 @@ fn order(id: u8, update: u8) -> TransportOrderBody {
             heading_deg: 0.0,
         }),
         then_route: Vec::new(),
+        unload: None,
     }
 }
 

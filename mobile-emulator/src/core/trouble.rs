@@ -148,6 +148,7 @@ impl Core {
         self.paused = false;
         self.errors.clear();
         self.at_point = None;
+        self.visits = None;
         self.late_until = None;
         self.stuck_since = None;
         self.cell_away = false;

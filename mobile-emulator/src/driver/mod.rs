@@ -50,6 +50,10 @@ pub(crate) enum Command {
         slot: String,
         answer: oneshot::Sender<Result<String, Refusal>>,
     },
+    Visit {
+        point: String,
+        answer: oneshot::Sender<Result<(), Refusal>>,
+    },
     Push {
         message: Box<OutboxMessage>,
         answer: oneshot::Sender<Result<(), Refusal>>,
@@ -260,6 +264,7 @@ impl Driver {
                 answer.send(self.core.put(&slot, &load)).map_err(drop)
             }
             Command::Take { slot, answer } => answer.send(self.core.take(&slot)).map_err(drop),
+            Command::Visit { point, answer } => answer.send(self.core.visit(&point)).map_err(drop),
             Command::Push { message, answer } => {
                 answer.send(self.core.pushed(*message, polls)).map_err(drop)
             }

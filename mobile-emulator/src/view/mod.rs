@@ -88,7 +88,8 @@ impl IntoResponse for Refused {
                     Refusal::SlotTaken { .. }
                     | Refusal::SlotEmpty { .. }
                     | Refusal::LoadElsewhere { .. }
-                    | Refusal::Gap { .. } => StatusCode::CONFLICT,
+                    | Refusal::Gap { .. }
+                    | Refusal::NoVisit { .. } => StatusCode::CONFLICT,
                     Refusal::Down | Refusal::Stopped(_) => StatusCode::SERVICE_UNAVAILABLE,
                 };
                 problem(status, &refusal.to_string())

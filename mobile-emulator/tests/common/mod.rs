@@ -210,7 +210,7 @@ impl Inner {
             self.parked.push(signal);
             return (StatusCode::ACCEPTED, answer);
         }
-        if signal.seq > last + 1 {
+        if signal.seq > last + 1 && !signal.resync {
             return (StatusCode::CONFLICT, SignalAnswer::default());
         }
         let next = signal.seq + 1;
@@ -240,9 +240,20 @@ async fn signal(
     }
     let (status, answer) = inner.judge(signal);
     if status == StatusCode::CONFLICT {
-        return problem(409);
+        return gap(inner.taken.last().map_or(1, |known| known.seq + 1));
     }
     (status, Json(answer)).into_response()
+}
+
+/// More than one number is missing.
+fn gap(expected: u64) -> Response {
+    let body = serde_json::json!({
+        "type": "/problems/handover-conflict", "title": "conflict", "status": 409, "detail": "a gap",
+        "code": "handover-conflict", "outcome": "NONE", "retryable": false,
+        "violations": [{"item": "expected.seq", "message": expected.to_string()}],
+    });
+    let kind = [(header::CONTENT_TYPE, "application/problem+json")];
+    (StatusCode::CONFLICT, kind, body.to_string()).into_response()
 }
 
 fn problem(status: u16) -> Response {
@@ -303,6 +314,7 @@ pub(crate) fn order() -> TransportOrderBody {
         then_to: None,
         then_pose: None,
         then_route: Vec::new(),
+        unload: None,
     }
 }
 

@@ -31,9 +31,15 @@ impl ControlObserver for AtLoss {
             match loss.behavior {
                 LossBehavior::CompleteStep => {}
                 LossBehavior::Hold => {
-                    let cell = loss.cell.clone();
+                    let (cell, motions) = (loss.cell.clone(), Arc::clone(motions));
                     drop(self.tracker.spawn(async move {
-                        if let Err(error) = link.hold().await {
+                        // Where nothing can be held, standing still is what was meant.
+                        let told = if motions.holds() {
+                            link.hold().await.map(|_| ())
+                        } else {
+                            link.stop().await.map(|_| ())
+                        };
+                        if let Err(error) = told {
                             unheard(&cell, "hold", &error);
                         }
                     }));

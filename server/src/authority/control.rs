@@ -29,8 +29,6 @@ pub(crate) struct CellControl {
     pub(super) clock: LeaseClock,
     epochs: Arc<dyn EpochStore>,
     audit: Arc<dyn AuditSink>,
-    /// Ends nobody asked for, until they are recorded.
-    unrecorded: Mutex<Vec<Ended>>,
     changed: Notify,
     news: watch::Sender<ControlNews>,
     observers: RwLock<Vec<Arc<dyn ControlObserver>>>,
@@ -85,7 +83,6 @@ impl CellControl {
             clock,
             epochs,
             audit,
-            unrecorded: Mutex::default(),
             changed: Notify::new(),
             news: watch::channel(ControlNews::default()).0,
             observers: RwLock::default(),
@@ -219,7 +216,7 @@ impl CellControl {
         };
         if let Some(ended) = ended {
             self.tell(Some(&ended));
-            self.to_record(ended);
+            self.changed.notify_one();
         }
     }
 
@@ -229,7 +226,6 @@ impl CellControl {
             loop {
                 let changed = self.changed.notified();
                 self.expire();
-                self.record().await;
                 let deadline = self.machine().next_deadline();
                 match deadline {
                     None => changed.await,
@@ -273,16 +269,8 @@ impl CellControl {
         let ended = self.machine().expire(self.clock.now());
         if let Some(ended) = ended {
             self.tell(Some(&ended));
-            self.to_record(ended);
+            self.changed.notify_one();
         }
-    }
-
-    fn to_record(&self, ended: Ended) {
-        let unrecorded = self.unrecorded.lock();
-        unrecorded
-            .unwrap_or_else(PoisonError::into_inner)
-            .push(ended);
-        self.changed.notify_one();
     }
 
     /// Publishes the state, and the loss where there was one.
@@ -321,38 +309,34 @@ impl CellControl {
             by = ended.and_then(|ended| ended.by.as_deref()),
             "control of the cell was lost"
         );
+        self.note_loss(&loss, ended.and_then(|ended| ended.by.as_deref()));
         let observers = self.observers.read();
         for observer in observers.unwrap_or_else(PoisonError::into_inner).iter() {
             observer.control_lost(&loss);
         }
     }
 
-    /// Records the ends nobody asked for. They have happened, whether they can be written down or not.
-    async fn record(&self) {
-        let ended = {
-            let unrecorded = self.unrecorded.lock();
-            std::mem::take(&mut *unrecorded.unwrap_or_else(PoisonError::into_inner))
-        };
-        for ended in ended {
-            let action = match ended.end {
-                ControlEnd::Revoked => "control.revoked",
-                ControlEnd::Expired
-                | ControlEnd::Released
-                | ControlEnd::Preempted
-                | ControlEnd::Transferred => "control.expired",
-            };
-            let entry = Audit {
-                principal: ended.lease.terms.holder,
-                action: action.to_owned(),
-                object: format!("{} epoch {}", self.cell, ended.lease.token.epoch),
-                result: AuditResult::Done,
-                request_id: None,
-                before: None,
-                after: None,
-            };
-            if let Err(error) = self.audit.record(entry).await {
-                tracing::error!(%error, "the end of a lease could not be recorded");
+    /// Whose control was lost, and how: a person did not ask for it, so it has an entry of its own.
+    fn note_loss(&self, loss: &ControlLoss, by: Option<&str>) {
+        let action = match loss.end {
+            ControlEnd::Revoked => "control.revoked",
+            ControlEnd::Preempted => "control.preempted",
+            ControlEnd::Expired | ControlEnd::Released | ControlEnd::Transferred => {
+                "control.expired"
             }
-        }
+        };
+        self.audit.note(Audit {
+            principal: loss.holder.clone(),
+            action: action.to_owned(),
+            object: self.cell.clone(),
+            result: AuditResult::Done,
+            request_id: None,
+            cell: Some(self.cell.clone()),
+            role: None,
+            source: None,
+            lease: Some(loss.epoch),
+            before: None,
+            after: by.map(|by| format!("by {by}")),
+        });
     }
 }

@@ -10,7 +10,7 @@ use tokio::time::Instant;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 use uuid::Uuid;
-use workflow::{Cell, Effect, Fact, Input, Reply, Setup};
+use workflow::{Cell, Effect, Fact, Input, Refusal, Reply, Setup};
 
 use super::arm::{ArmPort, Operation};
 use super::clock::CellClock;
@@ -156,7 +156,9 @@ impl Driver {
             places,
             asks: asks.downgrade(),
             unkept: VecDeque::new(),
+            said_unkept: false,
             writable: true,
+            retry_at: None,
         };
         drop(tracker.spawn(task.run(asked, asks)));
         handle
@@ -175,7 +177,10 @@ struct Task {
     asks: mpsc::WeakSender<Ask>,
     /// What happened and could not be kept yet. It did happen, so it is not forgotten.
     unkept: VecDeque<Input>,
+    said_unkept: bool,
     writable: bool,
+    /// When what could not be kept is tried again.
+    retry_at: Option<Instant>,
 }
 
 impl Task {
@@ -224,41 +229,64 @@ impl Task {
         }
     }
 
-    fn deadline(&self) -> Option<Instant> {
+    fn deadline(&mut self) -> Option<Instant> {
         let clock = &self.driver.clock;
         let timer = self.cell.next_deadline().map(|at| clock.instant(at));
-        let retry = (!self.unkept.is_empty()).then(|| Instant::now() + RETRY);
-        match (timer, retry) {
-            // A timer that cannot be kept either must not spin.
-            (_, Some(retry)) => Some(retry),
-            (timer, None) => timer,
+        if self.writable && self.unkept.is_empty() {
+            self.retry_at = None;
+            return timer;
         }
+        // A timer that cannot be kept either must not spin. What is asked meanwhile does not put it off.
+        Some(*self.retry_at.get_or_insert_with(|| Instant::now() + RETRY))
     }
 
     async fn time_passed(&mut self) {
+        self.retry_at = None;
+        if !self.writable && !self.try_journal().await {
+            return;
+        }
         while let Some(input) = self.unkept.pop_front() {
-            let before = self.unkept.len();
-            self.happened(input).await;
-            if self.unkept.len() > before {
+            if let Some(input) = self.take_notice(input).await {
+                self.unkept.push_front(input);
                 return;
             }
         }
         self.happened(Input::Tick).await;
     }
 
-    /// Something happened, whoever likes it or not. What cannot be kept now is kept later.
+    /// Something happened, whoever likes it or not. What cannot be kept now is kept later, in its order.
     async fn happened(&mut self, input: Input) {
-        match self.decide(&input, None).await {
-            Ok(_) | Err(Refused::Busy | Refused::Stopping) => {}
-            Err(Refused::NotKept(trouble)) => {
-                // A timer fires again, and an arm is looked at again, by themselves.
-                if !matches!(input, Input::Tick | Input::ArmObserved(_)) {
-                    tracing::warn!(cell.id = self.driver.id, error = %trouble, "what happened could not be kept yet");
-                    self.unkept.push_front(input);
-                }
+        // A timer fires again, and an arm is looked at again, by themselves.
+        let comes_again = matches!(input, Input::Tick | Input::ArmObserved(_));
+        let unkept = if comes_again || self.unkept.is_empty() {
+            self.take_notice(input).await
+        } else {
+            Some(input)
+        };
+        if let Some(input) = unkept.filter(|_| !comes_again) {
+            // Said once for as long as it stays.
+            if !std::mem::replace(&mut self.said_unkept, true) {
+                tracing::warn!(
+                    cell.id = self.driver.id,
+                    "what happened could not be kept yet"
+                );
             }
+            self.unkept.push_back(input);
+        }
+    }
+
+    /// Decides what follows from something that happened; gives it back where that could not be kept.
+    async fn take_notice(&mut self, input: Input) -> Option<Input> {
+        match self.decide(&input, None).await {
+            Ok(_) => {
+                self.said_unkept = false;
+                None
+            }
+            Err(Refused::Busy | Refused::Stopping) => None,
+            Err(Refused::NotKept(_) | Refused::Cell(Refusal::JournalUnavailable)) => Some(input),
             Err(Refused::Cell(refusal)) => {
                 tracing::debug!(cell.id = self.driver.id, %refusal, "the cell took no notice");
+                None
             }
         }
     }
@@ -277,6 +305,10 @@ impl Task {
                     return Err(Refused::NotKept(Trouble::Unavailable(error.to_string())));
                 }
             }
+        }
+        if matches!(input, Input::CreateJob { .. }) {
+            // What runs gets its end on the reserve of a full disk; a job would begin something.
+            self.driver.journal.room().map_err(Refused::NotKept)?;
         }
         self.decide(input, claim).await
     }
@@ -333,10 +365,15 @@ impl Task {
             kept,
             Err(Trouble::Full(_) | Trouble::Busy(_) | Trouble::Unavailable(_))
         );
-        if writable != self.writable {
-            self.writable = writable;
-            self.tell_journal(writable);
+        // That it can be written again the cell hears by the very decision that was kept first; see `try_journal`.
+        if self.writable && !writable {
+            tracing::error!(
+                cell.id = self.driver.id,
+                "nothing new is begun: the journal cannot be written"
+            );
+            self.tell_journal(false);
         }
+        self.writable = writable;
         match kept.map_err(Refused::NotKept)? {
             Appended::New(receipt) => {
                 let position = receipt.head.position;
@@ -347,7 +384,7 @@ impl Task {
         }
     }
 
-    /// The cell knows whether the journal can be written. That itself is nothing to keep.
+    /// The cell knows that the journal cannot be written. That itself is nothing to keep.
     fn tell_journal(&mut self, writable: bool) {
         let now = self.driver.clock.now();
         let decided = self
@@ -358,6 +395,22 @@ impl Task {
             for effect in self.cell.apply(now, fact) {
                 self.carry_out(effect);
             }
+        }
+        let _before = self.view.send_replace(Arc::new(self.cell.clone()));
+    }
+
+    /// Whether it is worth trying to write again. What follows from a journal that can be written, jobs on hold, is the
+    /// first thing that is kept.
+    async fn try_journal(&mut self) -> bool {
+        match self.decide(&Input::Journal { writable: true }, None).await {
+            // Where there was nothing to keep, nothing was tried; the next record will be.
+            Ok(_) => {
+                self.writable = true;
+                true
+            }
+            // It was never told that the journal could not be written: its recovery itself is still to be kept.
+            Err(Refused::Cell(_)) => true,
+            Err(Refused::NotKept(_) | Refused::Busy | Refused::Stopping) => false,
         }
     }
 

@@ -7,8 +7,10 @@ use uuid::Uuid;
 use workflow::{Cell, Input, Refusal, Reply};
 
 use super::clock::CellClock;
+use super::ids::Ids;
 use super::places::{Places, Span};
 use super::told::TellTimes;
+use crate::clock::WallClock;
 use crate::journal::Trouble;
 
 /// A way to a cell's driver.
@@ -92,6 +94,17 @@ impl CellHandle {
             mpsc::error::TrySendError::Closed(_) => Refused::Stopping,
         })?;
         answered.await.unwrap_or(Err(Refused::Stopping))
+    }
+
+    /// Whether the cell would take this now. Nothing is done, and nothing is kept.
+    pub(crate) fn would_take(
+        &self,
+        input: Input,
+        wall: &Arc<dyn WallClock>,
+    ) -> Result<(), Refused> {
+        let mut ids = Ids::new(Arc::clone(wall));
+        let decided = self.view().decide(self.clock.now(), input, &mut ids);
+        decided.map(drop).map_err(Refused::Cell)
     }
 
     /// The cell's clock, which its deadlines and timers are on.

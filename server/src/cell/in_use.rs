@@ -34,9 +34,11 @@ fn keeps(claimed: &Claimed, part: &Resource) -> bool {
         Resource::MobileRobot(robot) => matches!(claimed, Claimed::MobileRobot(id) if id == robot),
         Resource::Load(load) => matches!(claimed, Claimed::Load(id) if id == load),
         // Asked about when a step begins, and no step is undone by another answer.
-        Resource::Header | Resource::Timers | Resource::Destination(_) | Resource::Route(_) => {
-            false
-        }
+        Resource::Header
+        | Resource::Timers
+        | Resource::Destination(_)
+        | Resource::Route(_)
+        | Resource::Trigger(_) => false,
     }
 }
 

@@ -7,12 +7,12 @@ use std::sync::Arc;
 
 use api::{
     DockToleranceBody, FloorAreaBody, FloorPoseBody, MobileMessage, OutboxMessage, RoutePointBody,
-    TransportOrderBody,
+    SlotLoadBody, TransportOrderBody,
 };
 use jiff::Timestamp;
 use tokio::sync::watch;
 use uuid::Uuid;
-use workflow::{BasePose, Cell, Input, Message, OutMessage};
+use workflow::{BasePose, Cell, Input, Message, OutMessage, SlotLoad};
 
 use super::handle::{CellHandle, Refused};
 use crate::setup::SetupBook;
@@ -33,6 +33,7 @@ struct Order {
     dock: Option<BasePose>,
     route: Vec<BasePose>,
     then_to: Option<String>,
+    unload: Option<Vec<SlotLoad>>,
 }
 
 impl Outboxes {
@@ -92,6 +93,7 @@ fn message(setup: &Setup, cell: &Cell, robot: &str, out: OutMessage) -> Option<M
             dock,
             route,
             then_to,
+            unload,
         } => {
             let order = Order {
                 id: order,
@@ -100,6 +102,7 @@ fn message(setup: &Setup, cell: &Cell, robot: &str, out: OutMessage) -> Option<M
                 dock,
                 route,
                 then_to,
+                unload,
             };
             let order = order.in_one_piece(cell, out.session);
             MobileMessage::TransportOrder(Box::new(order.with_map(setup, cell, robot)?))
@@ -114,24 +117,32 @@ fn message(setup: &Setup, cell: &Cell, robot: &str, out: OutMessage) -> Option<M
         Message::StopPause => MobileMessage::StopPause,
         Message::Retry => MobileMessage::Retry,
         Message::SkipRetry => MobileMessage::SkipRetry,
+        Message::StateRequest => MobileMessage::StateRequest,
     })
 }
 
 impl Order {
     /// The update that releases the way to the destination, as an update of the order at the point: what is the base of
-    /// an order does not change while it is carried out.
+    /// an order does not change while it is carried out. Once the hand-over is over, only the way to the destination is
+    /// left of it: a robot that has lost its order does not drive back to the point.
     fn in_one_piece(self, cell: &Cell, session: Option<Uuid>) -> Self {
         let of_session = session.and_then(|id| {
             let mut sessions = cell.sessions(0).into_iter();
             sessions.find(|session| session.id == id)
         });
         match of_session {
-            Some(session) if session.order == Some(self.id) && session.point != self.goal => Self {
-                then_to: Some(self.goal),
-                goal: session.point,
-                dock: None,
-                ..self
-            },
+            Some(session)
+                if session.order == Some(self.id)
+                    && session.point != self.goal
+                    && !session.state.is_closed() =>
+            {
+                Self {
+                    then_to: Some(self.goal),
+                    goal: session.point,
+                    dock: None,
+                    ..self
+                }
+            }
             Some(_) | None => self,
         }
     }
@@ -149,7 +160,7 @@ impl Order {
         let way = |from: &str, to: &str| setup.way(robot, from, to).map(places);
         let stands_at = || {
             let at = cell.mobile_robots().into_iter().find(|m| m.id == robot)?;
-            at.state?.at_point
+            at.state?.at_point.or_else(|| left_last(cell, robot))
         };
         let onward = self.then_to.as_deref();
         Some(TransportOrderBody {
@@ -169,9 +180,27 @@ impl Order {
                 .and_then(|to| way(&self.goal, to))
                 .unwrap_or_default(),
             then_to: self.then_to,
+            unload: self
+                .unload
+                .map(|loads| loads.into_iter().map(in_slot).collect()),
             goal: self.goal,
         })
     }
+}
+
+fn in_slot(one: SlotLoad) -> SlotLoadBody {
+    SlotLoadBody {
+        slot: one.slot,
+        load: one.load,
+    }
+}
+
+/// The point that a mobile robot at no point has left last: it stands before that one, where the routes of it begin.
+fn left_last(cell: &Cell, robot: &str) -> Option<String> {
+    let sessions = cell.sessions(0).into_iter().rev();
+    let mut closed = sessions.filter(|session| session.state.is_closed());
+    let last = closed.find(|session| session.mobile_robot == robot)?;
+    Some(last.point)
 }
 
 fn area_of(setup: &Setup, point: &LoadPoint) -> Option<FloorAreaBody> {

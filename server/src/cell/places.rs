@@ -126,6 +126,7 @@ pub(crate) fn subject(fact: &Fact) -> Subject {
         | Fact::SessionResent { session }
         | Fact::SessionRewound { session, .. }
         | Fact::MeasuredAccepted { session }
+        | Fact::SessionBacksOut { session }
         | Fact::SessionLeft { session } => Subject::Of(*session),
         Fact::Told { session, .. } => session.map_or(Subject::None, Subject::Of),
         Fact::Signaled { signal, .. } => signal.session.map_or(Subject::None, Subject::Of),
@@ -138,6 +139,9 @@ pub(crate) fn subject(fact: &Fact) -> Subject {
         | Fact::ArmStopped { .. }
         | Fact::SafeDue { .. }
         | Fact::OutboxTaken { .. }
+        | Fact::SignalsLost { .. }
+        | Fact::TriggerSkipped { .. }
+        | Fact::InstantActed { .. }
         | Fact::Beat { .. }
         | Fact::TransportEnded { .. }
         | Fact::LoadRegistered { .. }

@@ -1,6 +1,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use api::Tier;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 use workflow::{Input, Setup};
@@ -80,8 +81,10 @@ impl Parts<'_> {
     /// no workflow uses them.
     fn arms(&self) -> BTreeMap<String, Arc<dyn ArmPort>> {
         let numbered = self.robots.iter().filter_map(|robot| match &robot.link {
-            RobotLink::CellServer(link) => Some((robot, link)),
-            RobotLink::Seed(_) => None,
+            RobotLink::CellServer(link) if robot.plan.tier == Tier::CellServer => {
+                Some((robot, link))
+            }
+            RobotLink::CellServer(_) | RobotLink::Seed(_) => None,
         });
         numbered
             .map(|(robot, link)| {

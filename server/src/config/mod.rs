@@ -8,7 +8,8 @@ mod robot;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use serde::Deserialize;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
 
 pub(crate) use plan::MAX_DEADLINE_MS;
 pub use plan::{ConfigError, Plan, ServerPlan};
@@ -88,7 +89,7 @@ pub struct IdentitySection {
 }
 
 /// `[journal]`: what was meant to be done and what became of it.
-#[derive(Clone, Debug, Default, Deserialize, PartialEq)]
+#[derive(Clone, Debug, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields, default)]
 pub struct JournalSection {
     /// The file, relative to the configuration's folder. Absent: a journal in memory, of which nothing survives.
@@ -98,6 +99,35 @@ pub struct JournalSection {
     /// Whether the file may be older than one that was open at its place before: a person has put back a backup, and
     /// looks at every robot before it moves.
     pub restored: bool,
+    /// MiB held back on the disk beside the file, so that on a full disk what runs gets its end and doubts can be
+    /// decided while nothing new begins: 1 to 4096, or 0 for none. 16 where absent.
+    #[serde(deserialize_with = "reserve_mib")]
+    pub reserve_mib: u16,
+}
+
+impl Default for JournalSection {
+    fn default() -> Self {
+        Self {
+            path: None,
+            allow_volatile_filesystem: false,
+            restored: false,
+            reserve_mib: 16,
+        }
+    }
+}
+
+const MAX_RESERVE_MIB: u16 = 4_096;
+
+fn reserve_mib<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u16, D::Error> {
+    let value = i64::deserialize(deserializer)?;
+    u16::try_from(value)
+        .ok()
+        .filter(|value| *value <= MAX_RESERVE_MIB)
+        .ok_or_else(|| {
+            D::Error::custom(format!(
+                "journal.reserve_mib: {value} is not 0 to {MAX_RESERVE_MIB} MiB"
+            ))
+        })
 }
 
 /// `[[cells]]`: a cell and its robots.
@@ -148,7 +178,8 @@ pub struct RobotSection {
     pub model: String,
     /// Where the controller's socket server listens, `host:port`.
     pub controller: String,
-    /// What the program on the controller can promise.
+    /// What the program on the controller can promise: `seed`, `seed_status` (with the status program beside it), or
+    /// `cell_server`.
     #[serde(default = "seed_tier")]
     pub tier: api::Tier,
     /// Where the controller's status program listens, `host:port`; `controller` with the next port where absent.

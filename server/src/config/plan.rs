@@ -9,6 +9,7 @@ use crate::identity::Identity;
 
 use super::{CellPlan, CellSection, ServerSection};
 use crate::setup::{SetupBook, StoreError};
+use crate::simulation::JobSimulator;
 
 /// The longest deadline a command may have, in milliseconds: its own `deadline_ms` or the robot's.
 pub(crate) const MAX_DEADLINE_MS: u64 = 60_000;
@@ -22,6 +23,8 @@ pub struct Plan {
     pub(crate) legacy: (usize, usize),
     /// Who callers are; a server does not start without.
     pub(crate) identity: Option<Identity>,
+    /// What plays jobs in virtual time, if anything does.
+    pub(crate) simulator: Option<Arc<dyn JobSimulator>>,
 }
 
 /// The listener and its limits, checked.
@@ -66,6 +69,7 @@ impl Plan {
             cells: checked,
             legacy,
             identity: server.demo.then(Identity::demo),
+            simulator: None,
         })
     }
 
@@ -81,6 +85,13 @@ impl Plan {
         }
         self.identity = Some(identity);
         Ok(self)
+    }
+
+    /// Gives the server what plays jobs in virtual time. Without it, it says that it cannot.
+    #[must_use]
+    pub fn with_simulator(mut self, simulator: Arc<dyn JobSimulator>) -> Self {
+        self.simulator = Some(simulator);
+        self
     }
 
     /// Reads the set-up of every cell and checks it, and keeps nothing of it: for a check before the start.

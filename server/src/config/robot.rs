@@ -88,9 +88,8 @@ impl RobotPlan {
     /// What can be known of a motion's end.
     pub(crate) fn completion(&self) -> api::Completion {
         match self.tier {
-            // Nothing reads the status program of tier 1 yet.
-            api::Tier::Seed | api::Tier::SeedStatus => api::Completion::NotObservable,
-            api::Tier::CellServer => api::Completion::Observable,
+            api::Tier::Seed => api::Completion::NotObservable,
+            api::Tier::SeedStatus | api::Tier::CellServer => api::Completion::Observable,
         }
     }
 
@@ -105,12 +104,6 @@ impl RobotPlan {
             u64::from(protocol::MIN_SPEED),
             u64::from(protocol::MAX_SPEED),
         )?;
-        if section.tier == api::Tier::SeedStatus {
-            return Err(ConfigError::new(
-                at("tier"),
-                "`seed_status` is not supported yet; use `seed` or `cell_server`".to_owned(),
-            ));
-        }
         let controller: ControllerAddress = section
             .controller
             .parse()

@@ -268,6 +268,10 @@ fn of_robot(known: &Known, fact: &Fact) -> Option<Said> {
                 SignalAnswer::Conflict { expected, got, .. } => {
                     format!(", not acted on: expected {expected}, got {got}")
                 }
+                SignalAnswer::Gap { expected, .. } => {
+                    format!(", not taken: number {expected} is missing")
+                }
+                SignalAnswer::Late { .. } => ", too late: it was given up as lost".to_owned(),
                 SignalAnswer::Closed { .. } => ", too late: its hand-over is over".to_owned(),
             };
             (
@@ -298,9 +302,57 @@ fn of_robot(known: &Known, fact: &Fact) -> Option<Said> {
             None,
             format!("the transport of {mobile_robot} is over"),
         ),
-        _ => return None,
+        _ => return of_robot_itself(fact),
     };
     let mut said = said(kind, job, text);
+    said.subject = Some(format!("mobile-robots/{robot}"));
+    Some(said)
+}
+
+/// What a mobile robot lost, what it did not start, and what a person had it do.
+#[expect(
+    clippy::wildcard_enum_match_arm,
+    reason = "what none of the four tells of is no event"
+)]
+fn of_robot_itself(fact: &Fact) -> Option<Said> {
+    let (kind, robot, text) = match fact {
+        Fact::SignalsLost {
+            mobile_robot,
+            from,
+            to,
+            ..
+        } => (
+            "robocell.mobile-robot.signals-lost",
+            mobile_robot,
+            format!("the signals {from} to {to} of {mobile_robot} are lost"),
+        ),
+        Fact::TriggerSkipped {
+            trigger,
+            mobile_robot,
+            text,
+            ..
+        } => (
+            "robocell.mobile-robot.trigger-skipped",
+            mobile_robot,
+            format!("trigger {trigger} starts no job for {mobile_robot}: {text}"),
+        ),
+        Fact::InstantActed {
+            mobile_robot,
+            action,
+            principal,
+            reason,
+        } => (
+            "robocell.mobile-robot.instant-action",
+            mobile_robot,
+            format!(
+                "{principal} has {mobile_robot} told: {}{}",
+                instant_in_words(*action),
+                because(reason.as_deref().unwrap_or_default())
+            ),
+        ),
+        _ => return None,
+    };
+    let mut said = said(kind, None, text);
     said.subject = Some(format!("mobile-robots/{robot}"));
     Some(said)
 }
@@ -424,6 +476,19 @@ fn message_in_words(message: &Message) -> String {
         Message::StopPause => "STOP_PAUSE".to_owned(),
         Message::Retry => "RETRY".to_owned(),
         Message::SkipRetry => "SKIP_RETRY".to_owned(),
+        Message::StateRequest => "STATE_REQUEST".to_owned(),
+    }
+}
+
+fn instant_in_words(action: workflow::InstantAction) -> &'static str {
+    use workflow::InstantAction as Action;
+    match action {
+        Action::StartPause => "START_PAUSE",
+        Action::StopPause => "STOP_PAUSE",
+        Action::CancelOrder { .. } => "CANCEL_ORDER",
+        Action::Retry => "RETRY",
+        Action::SkipRetry => "SKIP_RETRY",
+        Action::StateRequest => "STATE_REQUEST",
     }
 }
 

@@ -33,6 +33,10 @@ async fn note(journal: &SharedJournal, action: &str) {
         object: "something".into(),
         result: AuditResult::Done,
         request_id: None,
+        cell: None,
+        role: None,
+        source: None,
+        lease: None,
         before: None,
         after: None,
     });

@@ -21,6 +21,8 @@ pub(crate) enum Access {
     Admin,
     /// To hold control, or to take it away: operators and admins.
     Control,
+    /// To read who did what: integrators and admins.
+    Auditor,
     /// To be one mobile robot: its own signals and outbox; an operator may do it in its place.
     MobileRobot,
 }
@@ -35,6 +37,7 @@ impl Access {
             Self::Operator => moves,
             Self::Integrator => role == Role::Integrator,
             Self::Admin => role == Role::Admin,
+            Self::Auditor => matches!(role, Role::Integrator | Role::Admin),
             Self::Control => moves || role == Role::Admin,
             Self::MobileRobot => moves || role == Role::MobileRobot,
         }
@@ -50,6 +53,7 @@ impl Access {
             Self::Integrator => "integrator",
             Self::Admin => "admin",
             Self::Control => "operator or admin",
+            Self::Auditor => "integrator or admin",
             Self::MobileRobot => "mobile_robot, for its own, or operator",
         }
     }

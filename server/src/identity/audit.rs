@@ -11,10 +11,13 @@ use crate::problem::Problem;
 /// What becomes of an entry.
 pub type Recorded<'a> = Pin<Box<dyn Future<Output = Result<(), NotRecorded>> + Send + 'a>>;
 
-/// Keeps the record of who did what. What cannot be recorded is not done.
+/// Keeps the record of who did what.
 pub trait AuditSink: fmt::Debug + Send + Sync + 'static {
-    /// Makes an entry durable.
+    /// Makes an entry durable before what it tells of is done. What cannot be recorded so is not done.
     fn record(&self, entry: Audit) -> Recorded<'_>;
+
+    /// Takes an entry about what was done, or refused, already. It never waits; the entry becomes durable in its turn.
+    fn note(&self, entry: Audit);
 }
 
 /// The entry could not be made durable.
@@ -31,12 +34,21 @@ pub struct TracingAudit;
 
 impl AuditSink for TracingAudit {
     fn record(&self, entry: Audit) -> Recorded<'_> {
+        self.note(entry);
+        Box::pin(std::future::ready(Ok(())))
+    }
+
+    fn note(&self, entry: Audit) {
         let Audit {
             principal,
             action,
             object,
             result,
             request_id,
+            cell,
+            role,
+            source,
+            lease,
             before,
             after,
         } = entry;
@@ -47,11 +59,14 @@ impl AuditSink for TracingAudit {
             object,
             ?result,
             request_id,
+            cell,
+            role,
+            source,
+            lease,
             before,
             after,
             "audit"
         );
-        Box::pin(std::future::ready(Ok(())))
     }
 }
 
@@ -68,6 +83,10 @@ pub(crate) fn entry(
         object: object.into(),
         result: AuditResult::Done,
         request_id: Some(request_id.to_owned()),
+        cell: None,
+        role: principal.role().map(|role| role.as_str().to_owned()),
+        source: None,
+        lease: None,
         before: None,
         after: None,
     }

@@ -12,6 +12,7 @@
 mod access;
 mod audit;
 mod principal;
+mod refusals;
 mod rules;
 mod store;
 mod table;
@@ -34,6 +35,7 @@ pub(crate) use access::Access;
 pub(crate) use audit::entry;
 pub use audit::{AuditSink, NotRecorded, Recorded, TracingAudit};
 pub(crate) use principal::Principal;
+pub(crate) use refusals::Refusals;
 pub use store::StoreError;
 pub(crate) use table::{Rule, access as least_role, methods};
 pub use token::RandomError;
@@ -64,6 +66,24 @@ pub(crate) struct Asked<'a> {
     pub(crate) headers: &'a HeaderMap,
     pub(crate) peer: Option<IpAddr>,
     pub(crate) request_id: &'a str,
+}
+
+/// A request that may not go on.
+#[derive(Debug)]
+pub(crate) struct NotAdmitted {
+    pub(crate) problem: Problem,
+    /// Who tried, where the record of who did what is to know of it: a token that is not valid, or one that may not do
+    /// this. A browser's first request without any token is neither, and what comes too fast is in the log alone.
+    pub(crate) worth_noting: Option<Principal>,
+}
+
+impl From<Problem> for NotAdmitted {
+    fn from(problem: Problem) -> Self {
+        Self {
+            problem,
+            worth_noting: None,
+        }
+    }
 }
 
 impl Identity {
@@ -118,7 +138,7 @@ impl Identity {
         &self,
         asked: &Asked<'_>,
         clock: &dyn WallClock,
-    ) -> Result<Principal, Problem> {
+    ) -> Result<Principal, NotAdmitted> {
         // Where no route matched, or no method of it, the router has an answer that says nothing of the cell.
         let Some(route) = asked.route else {
             return Ok(Principal::nobody());
@@ -128,15 +148,20 @@ impl Identity {
             Rule::NoSuchMethod => return Ok(Principal::nobody()),
             Rule::Missing => {
                 let detail = "the route has no entry in the table of who may call it";
-                return Err(refused(asked, ProblemCode::Forbidden, detail));
+                return Err(refused(asked, ProblemCode::Forbidden, detail).into());
             }
         };
         if access == Access::Open {
             return Ok(Principal::nobody());
         }
         let principal = self.authenticate(asked, access, clock)?;
-        allow(asked, &principal, access, place)?;
-        Ok(principal)
+        match allow(asked, &principal, access, place) {
+            Ok(()) => Ok(principal),
+            Err(problem) => Err(NotAdmitted {
+                problem,
+                worth_noting: Some(principal),
+            }),
+        }
     }
 
     fn authenticate(
@@ -144,7 +169,7 @@ impl Identity {
         asked: &Asked<'_>,
         access: Access,
         clock: &dyn WallClock,
-    ) -> Result<Principal, Problem> {
+    ) -> Result<Principal, NotAdmitted> {
         let tokens = match &*self.0 {
             Kind::Demo => return Ok(Principal::demo()),
             Kind::Tokens(tokens) => tokens,
@@ -170,7 +195,8 @@ impl Identity {
         {
             let detail =
                 "too many tokens from this address were not valid; a valid one is not kept waiting";
-            return Err(refused(asked, ProblemCode::RateLimited, detail).retry_after(wait));
+            let problem = refused(asked, ProblemCode::RateLimited, detail).retry_after(wait);
+            return Err(problem.into());
         }
         if counted.is_ok() {
             tracing::warn!(
@@ -180,11 +206,10 @@ impl Identity {
                 "a token was refused"
             );
         }
-        Err(refused(
-            asked,
-            ProblemCode::Unauthorized,
-            &invalid.to_string(),
-        ))
+        Err(NotAdmitted {
+            problem: refused(asked, ProblemCode::Unauthorized, &invalid.to_string()),
+            worth_noting: counted.is_ok().then(Principal::nobody),
+        })
     }
 
     fn tokens(&self) -> Result<&Tokens, Problem> {

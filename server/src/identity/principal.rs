@@ -86,6 +86,14 @@ impl Principal {
         }
     }
 
+    /// Its role; in demo mode, where everybody has every role, none.
+    pub(crate) fn role(&self) -> Option<Role> {
+        match &self.0.credential {
+            Credential::Nobody | Credential::Demo => None,
+            Credential::Token { role, .. } => Some(*role),
+        }
+    }
+
     pub(crate) fn is_demo(&self) -> bool {
         self.0.credential == Credential::Demo
     }

@@ -42,6 +42,7 @@ const TABLE: &[(&str, &str, Access)] = &[
     (PUT, "/api/v1/cells/{cell}/control-authority/{lease}", Access::Control),
     (DELETE, "/api/v1/cells/{cell}/control-authority/{lease}", Access::Control),
     (POST, "/api/v1/cells/{cell}/control-authority/{lease}/transfer", Access::Control),
+    (GET, "/api/v1/cells/{cell}/audit", Access::Auditor),
     // Its robots.
     (GET, "/api/v1/cells/{cell}/robots", Access::Viewer),
     (GET, "/api/v1/cells/{cell}/robots/{robot}", Access::Viewer),
@@ -66,10 +67,12 @@ const TABLE: &[(&str, &str, Access)] = &[
     (GET, "/api/v1/cells/{cell}/mobile-robots/{mobile_robot}/state", Access::Viewer),
     (POST, "/api/v1/cells/{cell}/mobile-robots/{mobile_robot}/signals", Access::MobileRobot),
     (GET, "/api/v1/cells/{cell}/mobile-robots/{mobile_robot}/outbox", Access::MobileRobot),
+    (POST, "/api/v1/cells/{cell}/mobile-robots/{mobile_robot}/instant-actions", Access::Operator),
     // Jobs, and what they work with.
     (GET, "/api/v1/cells/{cell}/state", Access::Viewer),
     (GET, "/api/v1/cells/{cell}/jobs", Access::Viewer),
     (POST, "/api/v1/cells/{cell}/jobs", Access::Operator),
+    (POST, "/api/v1/cells/{cell}/jobs/simulate", Access::Operator),
     (GET, "/api/v1/cells/{cell}/jobs/{job}", Access::Viewer),
     (POST, "/api/v1/cells/{cell}/jobs/{job}/commands", Access::Operator),
     (GET, "/api/v1/cells/{cell}/jobs/{job}/events", Access::Viewer),

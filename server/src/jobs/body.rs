@@ -83,6 +83,35 @@ pub(crate) fn new_job(
         priority,
         deadline,
     } = body;
+    let (mut wrong, job) = parts(*workflow, params, *priority);
+    if let Some(deadline) = deadline.filter(|deadline| *deadline <= now) {
+        wrong.say("deadline", format!("{deadline} has passed: it is {now:.0}"));
+    }
+    wrong.finish()?;
+    Ok(NewJob {
+        deadline: deadline.map(|deadline| clock.at(now, deadline)),
+        ..job
+    })
+}
+
+/// A job without a deadline.
+///
+/// # Errors
+/// Everything that is wrong whatever the set-up is.
+pub(crate) fn job_of_parts(
+    workflow: WorkflowName,
+    params: &JobParams,
+    priority: i32,
+) -> Result<NewJob, Vec<Violation>> {
+    let (wrong, job) = parts(workflow, params, priority);
+    if wrong.0.is_empty() {
+        Ok(job)
+    } else {
+        Err(wrong.0)
+    }
+}
+
+fn parts(workflow: WorkflowName, params: &JobParams, priority: i32) -> (Wrong, NewJob) {
     let mut wrong = Wrong::default();
     names(&mut wrong, params);
     if !(1..=MAX_ITEMS).contains(&params.items.len()) {
@@ -114,11 +143,7 @@ pub(crate) fn new_job(
     };
     let expected_arrival_ms = drive("params.expected_arrival_s", params.expected_arrival_s);
     let expected_transport_ms = drive("params.expected_transport_s", params.expected_transport_s);
-    if let Some(deadline) = deadline.filter(|deadline| *deadline <= now) {
-        wrong.say("deadline", format!("{deadline} has passed: it is {now:.0}"));
-    }
-    wrong.finish()?;
-    Ok(NewJob {
+    let job = NewJob {
         workflow: match workflow {
             WorkflowName::DeliveryAndPlacement => Workflow::DeliveryAndPlacement,
             WorkflowName::PickupAndDelivery => Workflow::PickupAndDelivery,
@@ -142,11 +167,12 @@ pub(crate) fn new_job(
             api::CompleteOn::Departed => CompleteOn::Departed,
             api::CompleteOn::Delivered => CompleteOn::Delivered,
         },
-        priority: *priority,
-        deadline: deadline.map(|deadline| clock.at(now, deadline)),
+        priority,
+        deadline: None,
         expected_arrival_ms,
         expected_transport_ms,
-    })
+    };
+    (wrong, job)
 }
 
 /// Lengths of names. That they name something is the cell's matter.

@@ -247,6 +247,9 @@ impl Teller {
             Fact::SessionResent { .. } => Told::of("the session's request was sent again"),
             Fact::SessionRewound { to, .. } => Told::of(format!("session back to: {}", word(to))),
             Fact::MeasuredAccepted { .. } => Told::of("the measured dock pose is accepted"),
+            Fact::SessionBacksOut { .. } => {
+                Told::of("the mobile robot gives docking up and drives out")
+            }
             Fact::SessionLeft { .. } => Told::of("the mobile robot drives out"),
             Fact::Told {
                 mobile_robot,
@@ -299,6 +302,9 @@ impl Teller {
             | Fact::ArmStopped { .. }
             | Fact::SafeDue { .. }
             | Fact::OutboxTaken { .. }
+            | Fact::SignalsLost { .. }
+            | Fact::TriggerSkipped { .. }
+            | Fact::InstantActed { .. }
             | Fact::Beat { .. }
             | Fact::TransportEnded { .. }
             | Fact::LoadRegistered { .. }
@@ -339,7 +345,7 @@ fn names(resources: &[Resource]) -> String {
     names.join(", ")
 }
 
-fn ended(result: &OpResult) -> String {
+pub(super) fn ended(result: &OpResult) -> String {
     match result {
         OpResult::Arrived => "done".to_owned(),
         OpResult::Gripped {

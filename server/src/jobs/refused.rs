@@ -63,6 +63,9 @@ fn of_refusal(refusal: Refusal, conflict: ProblemCode, prefix: &str) -> Problem 
             };
             Problem::not_sent(code, format!("{command} is not possible: {text}"))
         }
+        interlock @ Refusal::Interlock { .. } => {
+            Problem::not_sent(ProblemCode::InterlockViolation, interlock.to_string())
+        }
         Refusal::Forbidden { command, needed } => {
             let needed = format!("{needed:?}").to_lowercase();
             Problem::not_sent(

@@ -187,7 +187,7 @@ fn custody_event(at: Clocks, to: &workflow::Location, by: &Evidence) -> CustodyE
 }
 
 /// Reads the decisions of a cell behind `after`, up to and including `last`.
-async fn for_each(
+pub(super) async fn for_each(
     journal: &SharedJournal,
     cell: &str,
     mut after: Position,

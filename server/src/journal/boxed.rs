@@ -5,7 +5,8 @@ use std::pin::Pin;
 
 use journal::{
     AppendError, Appended, Begun, Claim, Clocks, Epoch, Head, Intent, Journal, LookupError,
-    MotionEntry, MotionId, MotionPhase, MotionStory, Position, ReadError, Record, Replay, Stored,
+    MotionEntry, MotionId, MotionPhase, MotionStory, Position, ReadError, Record, Replay, Room,
+    Stored,
 };
 
 type Boxed<'a, T> = Pin<Box<dyn Future<Output = T> + Send + 'a>>;
@@ -17,6 +18,7 @@ macro_rules! any_journal {
         pub(super) trait AnyJournal: Send + Sync {
             fn epoch(&self) -> Epoch;
             fn head(&self) -> Head;
+            fn room(&self) -> Room;
             $(fn $name<'a>(&'a self, $($argument: $type),*) -> Boxed<'a, $output>;)*
         }
 
@@ -28,6 +30,10 @@ macro_rules! any_journal {
 
             fn head(&self) -> Head {
                 Journal::head(self)
+            }
+
+            fn room(&self) -> Room {
+                Journal::room(self)
             }
 
             $(fn $name<'a>(&'a self, $($argument: $type),*) -> Boxed<'a, $output> {
@@ -45,5 +51,6 @@ any_journal! {
     motion(motion: MotionId) -> Result<Option<MotionStory>, ReadError>;
     motions(phases: &'a [MotionPhase], after: Position, limit: usize) -> Result<Vec<MotionEntry>, ReadError>;
     latest_motions(before: Position, limit: usize) -> Result<Vec<MotionEntry>, ReadError>;
+    audits(before: Position, limit: usize) -> Result<Vec<Stored>, ReadError>;
     decided(cell: &'a str, after: Position, limit: usize) -> Result<Vec<Stored>, ReadError>;
 }

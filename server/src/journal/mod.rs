@@ -3,7 +3,9 @@
 //! Every record goes through here, so that one place knows whether the journal can be written, and notices a wall
 //! clock that was set.
 
+mod audit;
 mod boxed;
+mod epochs;
 mod open;
 mod trouble;
 
@@ -20,7 +22,9 @@ use journal::{
 use tokio::sync::watch;
 use tokio::time::Instant;
 
+pub(crate) use audit::{AuditHealth, JournalAudit};
 use boxed::AnyJournal;
+pub(crate) use epochs::JournalEpochs;
 pub use open::{JournalError, open};
 pub(crate) use trouble::Trouble;
 
@@ -105,9 +109,28 @@ impl SharedJournal {
         self.0.broken.get()
     }
 
+    /// Whether there is room for what begins something; if not, why not.
+    pub(crate) fn room(&self) -> Result<(), Trouble> {
+        let refusal = self.0.journal.room().refusal();
+        refusal.map_or(Ok(()), |error| Err(Trouble::of(&error)))
+    }
+
+    /// Both clocks, for a record that is appended later.
+    pub(crate) fn reading(&self, wall: Timestamp) -> Clocks {
+        Clocks {
+            wall,
+            monotonic: self.0.started.elapsed(),
+        }
+    }
+
     /// Keeps a record; returns when it is durable.
     pub(crate) async fn append(&self, now: Timestamp, record: Record) -> Result<Appended, Trouble> {
-        let at = self.clocks(now).await;
+        self.append_at(self.reading(now), record).await
+    }
+
+    /// Keeps a record of an earlier moment.
+    pub(crate) async fn append_at(&self, at: Clocks, record: Record) -> Result<Appended, Trouble> {
+        let at = self.clocks(at).await;
         let appended = self.0.journal.append(at, record).await;
         self.tell();
         appended.map_err(|error| self.noted(&error))
@@ -119,7 +142,7 @@ impl SharedJournal {
         now: Timestamp,
         intent: Intent,
     ) -> Result<Begun, Trouble> {
-        let at = self.clocks(now).await;
+        let at = self.clocks(self.reading(now)).await;
         let begun = self.0.journal.begin_motion(at, intent).await;
         self.tell();
         begun.map_err(|error| self.noted(&error))
@@ -163,11 +186,7 @@ impl SharedJournal {
         claim: &Claim,
         now: Timestamp,
     ) -> Result<Option<Replay>, LookupError> {
-        let at = Clocks {
-            wall: now,
-            monotonic: self.0.started.elapsed(),
-        };
-        self.0.journal.lookup(claim, at).await
+        self.0.journal.lookup(claim, self.reading(now)).await
     }
 
     pub(crate) async fn motion(&self, motion: MotionId) -> Result<Option<MotionStory>, ReadError> {
@@ -201,6 +220,15 @@ impl SharedJournal {
         self.0.journal.decided(cell, after, limit).await
     }
 
+    /// Who did what before `before`, the newest first.
+    pub(crate) async fn audits(
+        &self,
+        before: Position,
+        limit: usize,
+    ) -> Result<Vec<Stored>, ReadError> {
+        self.0.journal.audits(before, limit).await
+    }
+
     fn noted(&self, error: &journal::AppendError) -> Trouble {
         let trouble = Trouble::of(error);
         if error.is_fatal() && self.0.broken.set(trouble.clone()).is_ok() {
@@ -213,13 +241,13 @@ impl SharedJournal {
     }
 
     /// Both clocks. Where the wall clock was set since the last record, that is written down first.
-    async fn clocks(&self, wall: Timestamp) -> Clocks {
-        let now = Clocks {
-            wall,
-            monotonic: self.0.started.elapsed(),
-        };
+    async fn clocks(&self, now: Clocks) -> Clocks {
         let before = {
             let mut seen = self.0.clocks.lock().unwrap_or_else(PoisonError::into_inner);
+            // What is written down late tells nothing of the clock.
+            if seen.is_some_and(|seen| seen.monotonic > now.monotonic) {
+                return now;
+            }
             seen.replace(now)
         };
         let Some(step) = before.and_then(|before| clock_step(before, now)) else {
@@ -232,8 +260,12 @@ impl SharedJournal {
             object: "wall clock".into(),
             result: AuditResult::Done,
             request_id: None,
+            cell: None,
+            role: None,
+            source: None,
+            lease: None,
             before: before.map(|before| before.wall.to_string()),
-            after: Some(wall.to_string()),
+            after: Some(now.wall.to_string()),
         });
         // If it cannot be written, the record that follows cannot either, and its writer hears of it.
         if let Err(error) = self.0.journal.append(now, audit).await {

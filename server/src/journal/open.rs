@@ -52,6 +52,7 @@ pub async fn open(
         } else {
             History::Whole
         },
+        reserve: u64::from(section.reserve_mib) << 20,
         ..SqliteOptions::default()
     };
     let journal = SqliteJournal::open(&path, &opening, &options)

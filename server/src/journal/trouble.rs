@@ -16,7 +16,11 @@ pub(crate) enum Trouble {
     /// Too many records wait; the journal goes on.
     #[error("{0}")]
     Busy(String),
-    /// The disk is full.
+    /// The disk is full, and the journal keeps what ends or tells in its reserve: this would begin something. It goes
+    /// on by itself when there is room.
+    #[error("{0}")]
+    NoRoom(String),
+    /// The disk is full, and there is no reserve, or it is used up.
     #[error("{0}")]
     Full(String),
     /// Anything else that keeps it from being written.
@@ -29,6 +33,7 @@ impl Trouble {
         match error {
             AppendError::Refused(refusal) => Self::Refused(refusal.clone()),
             AppendError::Busy { .. } => Self::Busy(error.to_string()),
+            AppendError::NoRoom { .. } => Self::NoRoom(error.to_string()),
             _ if error.is_disk_full() => Self::Full(chain(error)),
             AppendError::Failed { .. } | AppendError::Poisoned(_) | AppendError::Closed { .. } => {
                 Self::Unavailable(chain(error))
@@ -55,6 +60,8 @@ impl Trouble {
             Self::Busy(text) => {
                 Problem::not_sent(ProblemCode::JournalUnavailable, text).retry_after_a_second()
             }
+            Self::NoRoom(text) => Problem::not_sent(ProblemCode::JournalFull, text)
+                .hint("Make room on the disk of the journal; then the server goes on by itself."),
             Self::Full(text) => Problem::not_sent(ProblemCode::JournalFull, text)
                 .hint("Make room on the disk of the journal, then start the server again."),
             Self::Unavailable(text) => Problem::not_sent(ProblemCode::JournalUnavailable, text)

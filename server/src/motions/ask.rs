@@ -2,8 +2,10 @@
 
 use std::time::Duration;
 
-use api::{MotionBody, MotionType, ProblemCode, TargetBody, Violation};
+use api::{MotionBody, MotionType, PoseBody, ProblemCode, TargetBody, Tier, Violation};
 use kinematics::{Axis, PendantJoints, Pose, Seed, Xyzwpr};
+
+use units::MmPerSec;
 
 use super::intent::mdeg;
 use super::record::{apart, point_of_thousandths, rounded};
@@ -74,6 +76,9 @@ pub(crate) fn resolve(
     refused: fn(&Refusal) -> Problem,
 ) -> Result<Asked, Problem> {
     let plan = &robot.plan;
+    if plan.tier == Tier::SeedStatus {
+        return resolve_seed(robot, link, body, refused);
+    }
     let speed = speed(body, plan)?;
     let to_point = |point: &Xyzwpr| -> Result<Asked, Problem> {
         let (point, solution) = plan.solve_point(point).map_err(|error| refused(&error))?;
@@ -104,15 +109,7 @@ pub(crate) fn resolve(
         }
         (MotionType::Relative, Some(TargetBody::Pose(change))) => {
             let from = actual(robot, link)?.point;
-            let (at, by) = (point_of_thousandths(from), point_of(change));
-            let asked = to_point(&Xyzwpr {
-                x: at.x + by.x,
-                y: at.y + by.y,
-                z: at.z + by.z,
-                w: at.w + by.w,
-                p: at.p + by.p,
-                r: at.r + by.r,
-            })?;
+            let asked = to_point(&moved(from, change))?;
             Ok(Asked {
                 from: Some(from),
                 ..asked
@@ -121,6 +118,65 @@ pub(crate) fn resolve(
         (MotionType::Joint | MotionType::Linear | MotionType::Relative | MotionType::Output, _) => {
             Err(invalid("target", "this motion needs another target", None))
         }
+    }
+}
+
+/// The motion a body asks for where the seed's pose server moves: poses at mm/s, the joints together.
+fn resolve_seed(
+    robot: &Robot,
+    link: &CellServerLink,
+    body: &MotionBody,
+    refused: fn(&Refusal) -> Problem,
+) -> Result<Asked, Problem> {
+    let plan = &robot.plan;
+    let speed = MmPerSec(body.speed_mm_s.ok_or_else(|| {
+        invalid(
+            "speed_percent",
+            "the program on this controller takes a speed in mm/s only",
+            body.speed_percent,
+        )
+    })?);
+    let mut from = None;
+    let prepared = match (body.motion_type, &body.target) {
+        (MotionType::Joint, Some(TargetBody::Pose(pose))) => {
+            plan.prepare_point(&point_of(pose), speed)
+        }
+        (MotionType::Joint, Some(TargetBody::Joints(joints))) => {
+            plan.prepare_joints((*joints).into(), speed)
+        }
+        (MotionType::Home, _) => plan.prepare_home(speed),
+        (MotionType::Relative, Some(TargetBody::Pose(change))) => {
+            let start = actual(robot, link)?.point;
+            from = Some(start);
+            plan.prepare_point(&moved(start, change), speed)
+        }
+        (MotionType::Linear, _) => {
+            return Err(Problem::not_sent(
+                ProblemCode::NotSupported,
+                "the robot's controller runs the seed program: it moves the joints together and cannot keep a straight line",
+            ));
+        }
+        (MotionType::Joint | MotionType::Relative | MotionType::Output, _) => {
+            return Err(invalid("target", "this motion needs another target", None));
+        }
+    };
+    Ok(Asked {
+        motion_type: body.motion_type,
+        from,
+        ..Asked::of(&prepared.map_err(|refusal| refused(&refusal))?)
+    })
+}
+
+/// A pose, and what it is changed by.
+fn moved(from: [i32; 6], change: &PoseBody) -> Xyzwpr {
+    let (at, by) = (point_of_thousandths(from), point_of(change));
+    Xyzwpr {
+        x: at.x + by.x,
+        y: at.y + by.y,
+        z: at.z + by.z,
+        w: at.w + by.w,
+        p: at.p + by.p,
+        r: at.r + by.r,
     }
 }
 

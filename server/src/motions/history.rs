@@ -101,7 +101,7 @@ impl Motions {
         match phase {
             MotionPhase::Open | MotionPhase::Accepted => {
                 let accepted = phase == MotionPhase::Accepted;
-                if self.plan.tier == api::Tier::CellServer
+                if self.plan.completion() == api::Completion::Observable
                     && let journal::Record::Intent(intent) = &story.intent.record
                     && let Some(leftover) = self.leftover(&record, intent, accepted)
                 {

@@ -150,6 +150,11 @@ impl Motions {
         &self.journal
     }
 
+    /// Whether the controller can hold a motion and let it go on.
+    pub(crate) fn holds(&self) -> bool {
+        self.plan.tier.capabilities().hold_and_continue
+    }
+
     /// Whether a motion of nobody's key is kept over a restart.
     fn keeps_all(&self) -> bool {
         self.journal.keeps() == Keeps::OverRestarts

@@ -12,16 +12,19 @@ use protocol::v2::{
     Command, FinishStatus, LinearSpeed, MotionNumber, Move, OperatingMode, Output, OutputNumber,
     Percent, StatusLine, ValueError, WireConfiguration, WireJoints, WirePose,
 };
+use protocol::{MoveCommand, WireMove};
 use tokio::time::Instant;
 use tokio_util::sync::CancellationToken;
-use units::Degrees;
+use units::{Degrees, MmPerSec};
 use uuid::Uuid;
 
 use super::record::{point_of_thousandths, target_of};
 use super::{Asked, Door, End, Entered, Entry, KeyGuard, Motions, Permit, Progress, Speed};
 use crate::authority;
 use crate::config::RobotPlan;
-use crate::link::cell_server::{CellServerLink, MotionEnd, MotionObserver, MotionOrder, Open};
+use crate::link::cell_server::{
+    CellServerLink, Instruction, MotionEnd, MotionObserver, MotionOrder, NotReady, Open,
+};
 use crate::problem::Problem;
 use crate::request_id::RequestId;
 use crate::state::Robot;
@@ -89,7 +92,7 @@ impl Robot {
         let wire_epoch = ready(link, &self.motions)?;
         let asked = (numbered.resolve)(self)?;
         let command = command_of(&asked, &self.plan)
-            .map_err(|error| Problem::not_sent(ProblemCode::Validation, error.to_string()))?;
+            .map_err(|error| Problem::not_sent(ProblemCode::Validation, error))?;
         let request_id = numbered.request_id.clone();
         let entry = Entry {
             asked,
@@ -126,7 +129,7 @@ fn submit(
     link: &CellServerLink,
     permit: &Permit,
     door: &Door,
-    command: Command,
+    command: Instruction,
     not_after: Instant,
     request_id: RequestId,
 ) -> Result<(), crate::link::Turned> {
@@ -160,6 +163,10 @@ fn ready(link: &CellServerLink, motions: &Motions) -> Result<u32, Problem> {
             ProblemCode::ControllerNotReady,
             reason.to_string(),
         )),
+        (_, Some(reason @ NotReady::OtherController { .. })) => Err(Problem::not_sent(
+            ProblemCode::ControllerNotReady,
+            reason.to_string(),
+        )),
         _ => Err(Problem::not_sent(
             ProblemCode::ControllerDisconnected,
             "the controller's status port is not connected",
@@ -169,7 +176,34 @@ fn ready(link: &CellServerLink, motions: &Motions) -> Result<u32, Problem> {
 }
 
 /// The command on the wire for a motion.
-pub(super) fn command_of(asked: &Asked, plan: &RobotPlan) -> Result<Command, ValueError> {
+pub(super) fn command_of(asked: &Asked, plan: &RobotPlan) -> Result<Instruction, String> {
+    match plan.tier {
+        api::Tier::Seed | api::Tier::SeedStatus => seed_command_of(asked).map(Instruction::Seed),
+        api::Tier::CellServer => numbered_command_of(asked, plan)
+            .map(Instruction::Numbered)
+            .map_err(|error| error.to_string()),
+    }
+}
+
+/// The seed's wire carries a pose and a speed in mm/s, and nothing else.
+fn seed_command_of(asked: &Asked) -> Result<WireMove, String> {
+    let (None, Speed::MmPerSec(speed)) = (asked.output, asked.speed) else {
+        return Err("the program on this controller takes poses at speeds in mm/s only".to_owned());
+    };
+    let point = point_of_thousandths(asked.point);
+    let command = MoveCommand {
+        x: point.x,
+        y: point.y,
+        z: point.z,
+        w: point.w,
+        p: point.p,
+        r: point.r,
+        speed: MmPerSec(f64::from(speed)),
+    };
+    command.to_wire().map_err(|error| error.to_string())
+}
+
+fn numbered_command_of(asked: &Asked, plan: &RobotPlan) -> Result<Command, ValueError> {
     if let Some(OutputLevel { output, on }) = asked.output {
         let output = OutputNumber::try_new(output)?;
         return Ok(Command::Output(Output { output, on }));

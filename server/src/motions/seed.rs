@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use api::{Outcome, ProblemCode};
+use api::{Outcome, ProblemCode, Tier};
 use journal::Claim;
 use protocol::{Reply, WireMove};
 use tokio::sync::oneshot;
@@ -232,7 +232,11 @@ impl Robot {
             RobotLink::Seed(link) => Ok(link),
             RobotLink::CellServer(_) => Err(Problem::not_sent(
                 ProblemCode::NotSupported,
-                "the robot's controller runs another program than the seed's; its motions are at /api/v1",
+                if self.plan.tier == Tier::SeedStatus {
+                    "the motions of this robot are observed to their end; they are at /api/v1"
+                } else {
+                    "the robot's controller runs another program than the seed's; its motions are at /api/v1"
+                },
             )
             .robot(&self.plan.id)),
         }

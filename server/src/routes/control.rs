@@ -54,7 +54,7 @@ pub(super) async fn get_control(ControlOf(control): ControlOf) -> Json<ControlVi
         (status = 422, description = "`validation`: the body does not fit.", body = api::Problem, content_type = "application/problem+json"),
         (status = 423, description = "`control-held`: somebody else has it; `control` says who, since when and until when.",
             body = api::Problem, content_type = "application/problem+json"),
-        (status = 503, description = "`not-recorded`: it could not be written down, and was not granted.",
+        (status = 503, description = "`not-recorded`: this start of the server has given all the epochs it has.",
             body = api::Problem, content_type = "application/problem+json"),
         CrossSite, InvalidJson, NotFound, BodyProblem, AnyProblem,
     ),
@@ -78,7 +78,7 @@ pub(super) async fn acquire_control(
         "control.acquire"
     };
     let act = control.acquire(terms, force);
-    let lease = recorded(
+    let lease = noted(
         &app,
         &control,
         &principal,
@@ -134,13 +134,15 @@ pub(super) async fn release_control(
     principal: Principal,
     request_id: RequestId,
 ) -> Result<Json<ControlView>, Problem> {
+    let held = control.view().held;
+    let epoch = held
+        .filter(|held| held.lease == lease)
+        .map(|held| held.epoch);
     control.release(lease, principal.name())?;
-    let object = format!("{} lease {lease}", control.cell());
-    let about = entry(&principal, "control.release", object, &request_id);
-    // It is given back, whether that can be written down or not: nobody is kept in control by a full disk.
-    if let Err(error) = app.audit.record(about).await {
-        tracing::error!(%error, "giving control back could not be recorded");
-    }
+    let mut about = entry(&principal, "control.release", control.cell(), &request_id);
+    about.cell = Some(control.cell().to_owned());
+    about.lease = epoch;
+    app.audit.note(about);
     Ok(Json(control.view()))
 }
 
@@ -159,7 +161,7 @@ pub(super) async fn release_control(
         (status = 422, description = "`validation`: the body does not fit, or nobody has that name.", body = api::Problem, content_type = "application/problem+json"),
         (status = 423, description = "`control-held`: the lease is somebody else's.",
             body = api::Problem, content_type = "application/problem+json"),
-        (status = 503, description = "`not-recorded`: it could not be written down, and was not done.",
+        (status = 503, description = "`not-recorded`: this start of the server has given all the epochs it has.",
             body = api::Problem, content_type = "application/problem+json"),
         CrossSite, InvalidJson, NotFound, BodyProblem, AnyProblem,
     ),
@@ -181,7 +183,7 @@ pub(super) async fn transfer_control(
     }
     let act = control.transfer(lease, principal.name(), &body.to, &body.reason);
     let action = "control.transfer";
-    let lease = recorded(
+    let lease = noted(
         &app,
         &control,
         &principal,
@@ -194,8 +196,9 @@ pub(super) async fn transfer_control(
     Ok((StatusCode::CREATED, Json(lease)))
 }
 
-/// Records what is done before it is done, and where it was not, that, too.
-async fn recorded(
+/// Notes what was done, or refused. Nobody waits for the disk to take control of an arm; while the disk takes nothing,
+/// nothing moves under that control.
+async fn noted(
     app: &App,
     control: &CellControl,
     principal: &Principal,
@@ -205,16 +208,15 @@ async fn recorded(
     act: impl Future<Output = Result<ControlLease, AcquireError>>,
 ) -> Result<ControlLease, Problem> {
     let mut about = entry(principal, action, control.cell(), request_id);
+    about.cell = Some(control.cell().to_owned());
     about.after = Some(reason.to_owned());
-    app.audit.record(about.clone()).await?;
-    match act.await {
-        Ok(lease) => Ok(lease),
-        Err(error) => {
-            about.result = AuditResult::Denied;
-            app.audit.record(about).await?;
-            Err(error.into())
-        }
+    let done = act.await;
+    match &done {
+        Ok(lease) => about.lease = Some(lease.epoch),
+        Err(_) => about.result = AuditResult::Denied,
     }
+    app.audit.note(about);
+    done.map_err(Problem::from)
 }
 
 impl From<AcquireError> for Problem {

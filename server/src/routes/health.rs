@@ -25,20 +25,30 @@ pub(super) async fn livez() -> Json<Liveness> {
     get, path = "/readyz", tag = "health",
     responses(
         (status = 200, description = "Every link takes commands.", body = Readiness),
-        (status = 503, description = "A link does not, as when the server is stopping, or the journal cannot be written: then nothing moves.", body = Readiness),
+        (status = 503, description = "A link does not, as when the server is stopping, or the journal cannot be written, or has only its reserve left: then nothing moves.", body = Readiness),
         AnyProblem,
     ),
 )]
 pub(super) async fn readyz(State(app): State<Arc<App>>) -> (StatusCode, Json<Readiness>) {
     let links: Vec<_> = robots(&app).map(|robot| link_readiness(robot)).collect();
+    let lost = app.audit_health.lost();
+    let room = app.journal.room();
+    let audit = (lost > 0)
+        .then(|| format!("{lost} entries of who did what are in the log and not in the journal"));
+    let problem = match (app.journal.broken(), &room) {
+        (Some(trouble), _) | (None, Err(trouble)) => Some(trouble.to_string()),
+        (None, Ok(())) => audit,
+    };
     let journal = JournalReadiness {
         writable: app.journal.broken().is_none(),
         durable: app.journal.keeps() == Keeps::OverRestarts,
         epoch: app.journal.epoch().0,
         last_record: app.journal.head().position.0,
-        problem: app.journal.broken().map(ToString::to_string),
+        on_reserve: room.is_err(),
+        audit_lost: lost,
+        problem,
     };
-    let ready = journal.writable && links.iter().all(|link| link.running);
+    let ready = journal.writable && !journal.on_reserve && links.iter().all(|link| link.running);
     let status = if ready {
         StatusCode::OK
     } else {
@@ -63,6 +73,8 @@ pub(super) async fn metrics(
     for robot in robots(&app) {
         robot.metrics.queued(robot.link.depth().0);
     }
+    let runtime = tokio::runtime::Handle::current();
+    app.metrics.tasks(runtime.metrics().num_alive_tasks());
     let media_type = "text/plain; version=0.0.4; charset=utf-8";
     ([(header::CONTENT_TYPE, media_type)], app.metrics.render())
 }

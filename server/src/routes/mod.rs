@@ -1,6 +1,7 @@
 //! The routes, one file a resource. `routes!` registers a handler and its description in one step, so that no route
 //! can miss the OpenAPI document.
 
+mod audit;
 mod caller;
 mod cell_state;
 mod cells;
@@ -27,6 +28,7 @@ mod responses;
 mod robots;
 mod sessions;
 mod setup;
+mod simulation;
 
 use std::sync::Arc;
 
@@ -51,6 +53,7 @@ pub(crate) fn documented() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(control::get_control, control::acquire_control))
         .routes(routes!(control::keep_control, control::release_control))
         .routes(routes!(control::transfer_control))
+        .routes(routes!(audit::list_audit))
         .routes(routes!(robots::get_robot))
         .routes(routes!(robots::get_robot_description))
         .routes(routes!(robots::get_robot_state))
@@ -78,10 +81,12 @@ pub(crate) fn documented() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(mobile_robots::get_mobile_robot_state))
         .routes(routes!(mobile_robots::post_signal))
         .routes(routes!(mobile_robots::get_outbox))
+        .routes(routes!(mobile_robots::post_instant_action))
         .routes(routes!(interventions::list_interventions))
         .routes(routes!(interventions::get_intervention))
         .routes(routes!(interventions::respond))
         .routes(routes!(jobs::create_job, jobs::list_jobs))
+        .routes(routes!(simulation::simulate_job))
         .routes(routes!(jobs::get_job))
         .routes(routes!(jobs::command_job))
         .routes(routes!(job_history::job_events))

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use api::{
     Motion, MotionState, Outcome, ProblemCode, SpeedOverride, StopBody, StopEffect, StopResult,
-    Violation,
+    Tier, Violation,
 };
 use axum::Json;
 use axum::extract::State;
@@ -20,9 +20,11 @@ use super::responses::{
 };
 use crate::authority::Claim;
 use crate::extract::{JsonBody, OptionalJson};
+use crate::identity::{Principal, entry};
 use crate::link::cell_server::{CellServerLink, LinkError};
 use crate::motions::{Progress, Record};
 use crate::problem::Problem;
+use crate::request_id::RequestId;
 use crate::state::{App, Robot, RobotLink};
 
 /// How long the end of a motion that was stopped is waited for.
@@ -140,8 +142,10 @@ pub(super) async fn resume_motion(
     ),
 )]
 pub(super) async fn stop_robot(
-    State(_): State<Arc<App>>,
+    State(app): State<Arc<App>>,
     RobotOf(robot): RobotOf,
+    principal: Principal,
+    request_id: RequestId,
     OptionalJson(body): OptionalJson<StopBody>,
 ) -> Result<Json<StopResult>, Problem> {
     let category = body.unwrap_or_default().category;
@@ -153,6 +157,9 @@ pub(super) async fn stop_robot(
         canceled = canceled.len(),
         "a stop was asked for"
     );
+    let mut about = entry(&principal, "robot.stop", &*robot.plan.id, &request_id);
+    about.cell = Some(robot.plan.cell.clone());
+    app.audit.note(about);
     let (stop_effect, text) = match &robot.link {
         RobotLink::Seed(_) => (
             StopEffect::IssuesNothingMore,
@@ -166,8 +173,16 @@ pub(super) async fn stop_robot(
                 .map_err(|error| of_link(&error).robot(&robot.plan.id))?;
             (
                 report.effect,
-                "The controller was told to stop and has confirmed it: the running motion ends by a controlled \
-                 deceleration.",
+                match robot.plan.tier {
+                    Tier::SeedStatus => {
+                        "The controller has ended the seed program, and with it the running motion, by a controlled \
+                         deceleration. The program is started again when the arm stands still."
+                    }
+                    Tier::Seed | Tier::CellServer => {
+                        "The controller was told to stop and has confirmed it: the running motion ends by a \
+                         controlled deceleration."
+                    }
+                },
             )
         }
     };
@@ -260,7 +275,11 @@ async fn running<'a>(
     done: &str,
 ) -> Result<(&'a CellServerLink, Record), Problem> {
     let record = command_on(robot, id).await?;
-    let link = controller(robot, "the seed program cannot be told to hold a motion")?;
+    let refusal = "the seed program cannot be told to hold a motion";
+    let link = controller(robot, refusal)?;
+    if !robot.plan.tier.capabilities().hold_and_continue {
+        return Err(Problem::not_sent(ProblemCode::NotSupported, refusal).robot(&robot.plan.id));
+    }
     match record.progress {
         Progress::Accepted | Progress::Executing => Ok((link, record)),
         Progress::Queued | Progress::Dispatched | Progress::Ended { .. } => {

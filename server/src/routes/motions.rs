@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use api::{Motion, MotionBody, MotionList, MotionState, Outcome, ProblemCode};
+use api::{Motion, MotionBody, MotionList, MotionState, Outcome, ProblemCode, Tier};
 use axum::Json;
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
@@ -21,7 +21,7 @@ use super::responses::{AnyProblem, BodyProblem, ControlProblem, CrossSite, LinkP
 use crate::authority::Claim;
 use crate::extract::JsonBody;
 use crate::journal::Trouble;
-use crate::link::cell_server::CellServerLink;
+use crate::link::cell_server::{CellServerLink, Phase};
 use crate::motions::{
     Asked, Entry, Numbered, Planned, Progress, Record, RequestKey, Start, Started, problem_of,
     resolve,
@@ -256,7 +256,11 @@ pub(super) fn shown_motion(robot: &Robot, record: &Record) -> Motion {
         if let (Some(in_flight), Some(seen)) = (in_flight, view.status) {
             if seen.line.held {
                 motion.state = MotionState::Paused;
-            } else if seen.line.finished == in_flight.number {
+            } else if seen.line.finished == in_flight.number
+                || (robot.plan.tier == Tier::SeedStatus
+                    && in_flight.phase == Phase::Executing
+                    && !seen.line.moving)
+            {
                 motion.state = MotionState::Settling;
             }
         }

@@ -10,6 +10,8 @@
     reason = "frames are part of a pose's name: X_CT is the tool T in the cell C"
 )]
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use api::setup::{
     CheckFinding, JointMarginBody, RouteCheck, SetupCheck, Severity, TaughtPoseCheck, ZoneKind,
     ZoneMargin,
@@ -35,9 +37,14 @@ const SMALL_GAP_MM: f64 = 25.0;
 const MOST_FINDINGS: usize = 10;
 
 impl Setup {
-    /// Plans and measures everything in the set-up.
-    pub(crate) fn check(&self) -> SetupCheck {
-        let taught_poses: Vec<_> = self.taught.iter().map(|taught| self.plan(taught)).collect();
+    /// Plans and measures everything in the set-up, or, for a caller who has given up, no more than was begun.
+    pub(crate) fn check_for(&self, given_up: &AtomicBool) -> SetupCheck {
+        let taught_poses: Vec<_> = self
+            .taught
+            .iter()
+            .take_while(|_| !given_up.load(Ordering::Relaxed))
+            .map(|taught| self.plan(taught))
+            .collect();
         let routes: Vec<_> = self
             .routes
             .iter()
@@ -56,6 +63,12 @@ impl Setup {
             routes,
             findings,
         }
+    }
+
+    /// Plans and measures everything in the set-up.
+    #[cfg(test)]
+    pub(crate) fn check(&self) -> SetupCheck {
+        self.check_for(&AtomicBool::new(false))
     }
 
     fn plan(&self, taught: &Taught) -> TaughtPoseCheck {

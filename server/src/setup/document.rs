@@ -217,10 +217,11 @@ fn explain(faults: &mut Faults, value: &Value) {
             "mobile_robots" => each::<part::MobileRobotSetup>(faults, key, value),
             "routes" => each::<part::RouteBody>(faults, key, value),
             "loads" => each::<part::LoadBody>(faults, key, value),
+            "triggers" => each::<part::TriggerBody>(faults, key, value),
             _ => faults.add(
                 crate::state::shown(key),
                 "is no section of a set-up; there are format, name, timers, arms, tools, zones, stations, places, \
-                 taught_poses, destinations, mobile_robots, routes, loads",
+                 taught_poses, destinations, mobile_robots, routes, loads, triggers",
             ),
         }
     }

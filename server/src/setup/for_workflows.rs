@@ -59,7 +59,7 @@ impl Setup {
                 .iter()
                 .map(|destination| destination.point.clone())
                 .collect(),
-            triggers: Vec::new(),
+            triggers: self.triggers.clone(),
             timers: self.timers_for(),
         }
     }
@@ -200,6 +200,9 @@ impl Setup {
             (&mut timers.prefetch_hold_ms, own.hold_ms),
             (&mut timers.safe_ms, own.safe_ms),
             (&mut timers.transport_ms, own.transport_ms),
+            (&mut timers.heartbeat_ms, own.heartbeat_ms),
+            (&mut timers.arm_silence_ms, own.arm_silence_ms),
+            (&mut timers.motion_margin_ms, own.motion_margin_ms),
         ] {
             if let Some(value) = value {
                 *timer = value;

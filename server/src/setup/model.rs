@@ -23,6 +23,8 @@ pub(crate) struct Setup {
     pub(crate) mobile_robots: Vec<MobileRobot>,
     pub(crate) routes: Vec<Route>,
     pub(crate) loads: Vec<Load>,
+    /// In the words of the workflows already: nothing here looks at them.
+    pub(crate) triggers: Vec<workflow::Trigger>,
     pub(crate) timers: TimersBody,
 }
 

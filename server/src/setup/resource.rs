@@ -4,7 +4,7 @@ use std::fmt;
 
 use api::setup::{
     ArmSetup, DestinationBody, LoadBody, MobileRobotSetup, PlaceBody, RouteBody, SetupFile,
-    StationBody, TaughtPoseBody, ToolSetup, ZoneBody,
+    StationBody, TaughtPoseBody, ToolSetup, TriggerBody, ZoneBody,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -31,6 +31,7 @@ pub(crate) enum Resource {
     MobileRobot(String),
     Route(String),
     Load(String),
+    Trigger(String),
 }
 
 /// `taught-poses/r1/rack/a`
@@ -49,6 +50,7 @@ impl fmt::Display for Resource {
             Self::MobileRobot(id) => write!(f, "mobile-robots/{id}"),
             Self::Route(id) => write!(f, "routes/{id}"),
             Self::Load(id) => write!(f, "loads/{id}"),
+            Self::Trigger(id) => write!(f, "triggers/{id}"),
         }
     }
 }
@@ -110,6 +112,7 @@ parts! {
     MobileRobotSetup, mobile_robots, robot => Resource::MobileRobot(robot.id.clone());
     RouteBody, routes, route => Resource::Route(route.id.clone());
     LoadBody, loads, load => Resource::Load(load.id.clone());
+    TriggerBody, triggers, trigger => Resource::Trigger(trigger.id.clone());
 }
 
 /// Adds the parts of one list that were added, changed or deleted.

@@ -8,4 +8,5 @@ mod refusing;
 mod resolving;
 mod support;
 mod teaching;
+mod triggers;
 mod workflows;

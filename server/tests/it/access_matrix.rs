@@ -25,6 +25,7 @@ POST   /api/v1/cells/{cell}/control-authority                        OIA
 PUT    /api/v1/cells/{cell}/control-authority/{lease}                OIA
 DELETE /api/v1/cells/{cell}/control-authority/{lease}                OIA
 POST   /api/v1/cells/{cell}/control-authority/{lease}/transfer       OIA
+GET    /api/v1/cells/{cell}/audit                                    IA
 GET    /api/v1/cells/{cell}/robots                                   VOIA
 GET    /api/v1/cells/{cell}/robots/{robot}                           VOIA
 GET    /api/v1/cells/{cell}/robots/{robot}/description               VOIA
@@ -83,11 +84,16 @@ DELETE /api/v1/cells/{cell}/setup/routes/{route}                    I
 GET    /api/v1/cells/{cell}/setup/loads/{load}                      VOIA
 PUT    /api/v1/cells/{cell}/setup/loads/{load}                      I
 DELETE /api/v1/cells/{cell}/setup/loads/{load}                      I
+GET    /api/v1/cells/{cell}/setup/triggers/{trigger}                VOIA
+PUT    /api/v1/cells/{cell}/setup/triggers/{trigger}                I
+DELETE /api/v1/cells/{cell}/setup/triggers/{trigger}                I
 POST   /api/v1/cells/{cell}/mobile-robots/{mobile_robot}/signals     OI
 GET    /api/v1/cells/{cell}/mobile-robots/{mobile_robot}/outbox      OI
+POST   /api/v1/cells/{cell}/mobile-robots/{mobile_robot}/instant-actions OI
 GET    /api/v1/cells/{cell}/state                                   VOIA
 GET    /api/v1/cells/{cell}/jobs                                    VOIA
 POST   /api/v1/cells/{cell}/jobs                                    OI
+POST   /api/v1/cells/{cell}/jobs/simulate                           OI
 GET    /api/v1/cells/{cell}/jobs/{job}                              VOIA
 POST   /api/v1/cells/{cell}/jobs/{job}/commands                     OI
 GET    /api/v1/cells/{cell}/jobs/{job}/events                       VOIA

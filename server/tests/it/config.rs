@@ -104,8 +104,8 @@ fn a_value_that_does_not_fit_is_named_by_its_key_with_its_limit() {
         ("z_mm = 120", "z_mm = nan", "cells[0].robots[1].tool: "),
         (
             "tier = \"seed\"",
-            "tier = \"seed_status\"",
-            "cells[0].robots[1].tier: `seed_status` is not supported yet",
+            "tier = \"seed_status\"\nstatus_controller = \"robot-2\"",
+            "cells[0].robots[1].status_controller: `robot-2` is not `host:port`",
         ),
         (
             "tier = \"seed\"",

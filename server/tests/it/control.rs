@@ -8,6 +8,8 @@ use crate::support::{
     ACCEPTED, Act, FakeRobot, MOTION, MOTIONS, Secured, TestServer, control_of, wait_until,
 };
 
+/// The epoch of the first lease: the journal in memory is opened for the first time.
+const FIRST_EPOCH: u64 = 1_000_001;
 const CONTROL: &str = "/api/v1/cells/c1/control-authority";
 
 fn lease(token: &str) -> String {
@@ -127,7 +129,7 @@ async fn of_two_clients_that_race_exactly_one_wins() {
         statuses[1..].iter().all(|status| *status == 423),
         "{statuses:?}"
     );
-    assert_eq!(server.get(CONTROL).await.json()["epoch"], 1);
+    assert_eq!(server.get(CONTROL).await.json()["epoch"], FIRST_EPOCH);
 }
 
 #[tokio::test]
@@ -174,7 +176,7 @@ async fn a_stolen_lease_moves_nothing_any_more_not_even_what_waits() {
     let view = cell.get(CONTROL, &remote).await.json();
     assert_eq!(
         (&view["last"]["end"], &view["epoch"]),
-        (&json!("PREEMPTED"), &json!(2))
+        (&json!("PREEMPTED"), &json!(FIRST_EPOCH + 1))
     );
     // REMOTE never takes from LOCAL, and the late heartbeat brings nothing back.
     assert_eq!(cell.acquire(&remote, &json!({})).await.status, 423);
@@ -254,7 +256,7 @@ async fn control_is_kept_handed_on_and_given_back() {
     let view = cell.get(CONTROL, &anna).await.json();
     assert_eq!(
         (&view["last"]["end"], &view["epoch"]),
-        (&json!("RELEASED"), &json!(2))
+        (&json!("RELEASED"), &json!(FIRST_EPOCH + 1))
     );
     let _again = control_of(&cell.acquire(&anna, &json!({})).await);
 }

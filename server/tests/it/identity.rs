@@ -131,7 +131,8 @@ async fn a_revoked_token_opens_nothing_from_the_next_request_on() {
     }
     // It stays so after a restart.
     let (identity, _) = Identity::open(cell.file(), Timestamp::now()).unwrap();
-    let again = TestServer::with_identity(&robot, identity).await;
+    let again =
+        TestServer::with_identity(&robot, identity, server::SharedJournal::volatile()).await;
     let bearer = format!("Bearer {alice}");
     let headers = [("authorization", bearer.as_str())];
     assert_eq!(

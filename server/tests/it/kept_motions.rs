@@ -19,7 +19,7 @@ use crate::support::{
 const STOP: &str = "/api/v1/cells/c1/robots/r1/stop";
 const INTERVENTIONS: &str = "/api/v1/cells/c1/interventions";
 
-fn opened(disk: &MemoryDisk) -> SharedJournal {
+pub(crate) fn opened(disk: &MemoryDisk) -> SharedJournal {
     let opening = Opening {
         at: Clocks {
             wall: Timestamp::now(),
@@ -32,16 +32,16 @@ fn opened(disk: &MemoryDisk) -> SharedJournal {
 }
 
 /// A server on what the disk has.
-async fn serve(robot: &FakeRobot, disk: &MemoryDisk) -> TestServer {
+pub(crate) async fn serve(robot: &FakeRobot, disk: &MemoryDisk) -> TestServer {
     TestServer::with_journal(robot_section(robot.address), opened(disk)).await
 }
 
-async fn motions(server: &TestServer) -> Vec<Value> {
+pub(crate) async fn motions(server: &TestServer) -> Vec<Value> {
     let list = server.get(MOTIONS).await.json();
     list["motions"].as_array().unwrap().clone()
 }
 
-async fn answer(server: &TestServer, id: &Value, answer: &str) -> Value {
+pub(crate) async fn answer(server: &TestServer, id: &Value, answer: &str) -> Value {
     let path = format!("{INTERVENTIONS}/{}/respond", id.as_str().unwrap());
     let body = json!({"answer": answer, "reason": "looked"}).to_string();
     let reply = server.post(&path, &body).await;
@@ -356,6 +356,40 @@ async fn a_wall_clock_that_jumps_stops_nothing_and_is_written_down() {
         .collect();
     assert!(ids.is_sorted_by(|newer, older| newer > older), "{ids:?}");
     assert_eq!(robot.commands().len(), 4);
+}
+
+/// T4: a time with an offset is the moment it names, and every time that is told or kept is in UTC; a time without an
+/// offset names no moment.
+#[tokio::test]
+async fn t4_every_time_is_utc() {
+    let robot = FakeRobot::accepting().await;
+    let disk = MemoryDisk::new();
+    let server = serve(&robot, &disk).await;
+    let soon = Timestamp::from_second(Timestamp::now().as_second() + 60).unwrap();
+    let summer = jiff::tz::TimeZone::fixed(jiff::tz::offset(2));
+    let local = soon.to_zoned(summer);
+    let body = |time: &str| MOTION.replacen('{', &format!("{{\"not_after\": \"{time}\", "), 1);
+    let offset = local.strftime("%Y-%m-%dT%H:%M:%S%:z").to_string();
+    assert!(offset.ends_with("+02:00"), "{offset}");
+    let reply = server.post(MOTIONS, &body(&offset)).await;
+    assert_eq!(reply.status, 202, "{reply:?}");
+    let motion = reply.json();
+    assert_eq!(motion["not_after"], soon.to_string());
+    let times = [&motion["not_after"], &motion["created_at"]];
+    assert!(
+        times
+            .iter()
+            .all(|time| time.as_str().unwrap().ends_with('Z'))
+    );
+    for row in disk.rows() {
+        let row: Value = serde_json::from_slice(&row.body).unwrap();
+        assert!(row["wall"].as_str().unwrap().ends_with('Z'), "{row}");
+    }
+    let nowhere = local.strftime("%Y-%m-%dT%H:%M:%S").to_string();
+    let reply = server.post(MOTIONS, &body(&nowhere)).await;
+    let problem = reply.problem(422, "validation", "NOT_SENT");
+    assert_eq!(problem["violations"][0]["item"], "not_after");
+    assert_eq!(robot.commands().len(), 1);
 }
 
 /// The thesis's routes are kept, too, and count from nothing after a restart.

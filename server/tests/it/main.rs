@@ -7,13 +7,16 @@
 )]
 
 mod access_matrix;
+mod audit;
 mod bad_bodies;
+mod bounds;
 mod config;
 mod connections;
 mod control;
 mod deltas;
 mod document;
 mod events;
+mod full_disk;
 mod health;
 mod identity;
 mod job_refusals;
@@ -27,6 +30,7 @@ mod link_queue;
 mod loads;
 mod mobile_signals;
 mod motions;
+mod other_pages;
 mod refusals;
 mod serving;
 mod setup;

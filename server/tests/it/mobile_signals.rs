@@ -202,3 +202,113 @@ async fn an_outbox_is_asked_of_a_robot_of_the_set_up_within_limits() {
         let _problem = server.get(&path).await.problem(404, "not-found", "NONE");
     }
 }
+
+/// Covers: M3. Two signals are lost for ever: the robot is told what is wanted, gives them up, and goes on; if they
+/// come after all, they are recorded and nothing else.
+#[tokio::test]
+async fn a_robot_that_lost_signals_for_ever_goes_on() {
+    let server = serve(&MemoryDisk::new()).await;
+    for seq in 1..=4 {
+        let beat = signal("MR_HEARTBEAT", (1, seq));
+        assert_eq!(send(&server, &beat).await.json(), accepted(false, false));
+    }
+    for _twice in 0..2 {
+        let reply = send(&server, &signal("MR_MODE", (1, 7))).await;
+        let problem = reply.problem(409, "handover-conflict", "NONE");
+        let items: Vec<_> = problem["violations"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|one| {
+                (
+                    one["item"].as_str().unwrap(),
+                    one["message"].as_str().unwrap(),
+                )
+            })
+            .collect();
+        assert_eq!(items[0], ("expected", "boot 1 seq 5"));
+        assert_eq!(items[1], ("got", "boot 1 seq 7"));
+        assert_eq!(items[2], ("expected.seq", "5"));
+    }
+    let mut resync = signal("MR_MODE", (1, 8));
+    resync["resync"] = json!(true);
+    let refused = send(&server, &resync).await;
+    let problem = refused.problem(422, "validation", "NONE");
+    assert_eq!(problem["violations"][0]["item"], "resync");
+    resync["signal"] = json!("MR_HEARTBEAT");
+    assert_eq!(send(&server, &resync).await.json(), accepted(false, false));
+    let next = signal("MR_MODE", (1, 9));
+    assert_eq!(send(&server, &next).await.json(), accepted(false, false));
+    for (copy, seq) in [(false, 5), (true, 5), (false, 7)] {
+        let late = send(&server, &signal("MR_MODE", (1, seq))).await.json();
+        assert_eq!(late["duplicate"], copy);
+        assert!(late["note"].as_str().unwrap().contains("has no effect"));
+    }
+}
+
+/// No detection of loads is not the same as no loads.
+#[tokio::test]
+async fn loads_that_are_not_told_are_not_shown_as_none() {
+    let server = serve(&MemoryDisk::new()).await;
+    let shown = async || server.get(&format!("{ROBOT}/state")).await.json()["data"].clone();
+    let mut blind = signal("MR_MODE", (1, 1));
+    let _loads = blind["data"].as_object_mut().unwrap().remove("loads");
+    assert_eq!(send(&server, &blind).await.status, 200);
+    assert_eq!(shown().await.get("loads"), None);
+    let mut empty = signal("MR_MODE", (1, 2));
+    empty["data"]["loads"] = json!([]);
+    assert_eq!(send(&server, &empty).await.status, 200);
+    let loads = shown().await["loads"].clone();
+    let slots = loads.as_array().unwrap();
+    assert_eq!(slots.len(), 2, "{loads}");
+    assert!(slots.iter().all(|slot| slot["load"].is_null()), "{loads}");
+}
+
+/// An instant action is in the outbox once for each key, over a restart too.
+#[tokio::test]
+async fn an_instant_action_is_taken_once_for_its_key() {
+    let disk = MemoryDisk::new();
+    let server = serve(&disk).await;
+    let path = format!("{ROBOT}/instant-actions");
+    let ask = async |server: &TestServer, key: Option<&str>, body: Value| {
+        let mut headers = vec![("content-type", "application/json")];
+        headers.extend(key.map(|key| ("idempotency-key", key)));
+        server
+            .bare("POST", &path, &headers, &body.to_string())
+            .await
+    };
+    let pause = json!({"action": "START_PAUSE", "reason": "a person is in the aisle"});
+    let _missing =
+        ask(&server, None, pause.clone())
+            .await
+            .problem(400, "idempotency-missing", "NOT_SENT");
+    for _again in 0..2 {
+        let taken = ask(&server, Some("pause-1"), pause.clone()).await;
+        assert_eq!(taken.status, 202);
+        let answer = taken.json();
+        assert_eq!(
+            (&answer["action"], &answer["unacknowledged"]),
+            (&json!("START_PAUSE"), &json!(1))
+        );
+    }
+    let _other = ask(&server, Some("pause-1"), json!({"action": "STOP_PAUSE"}))
+        .await
+        .problem(422, "idempotency-mismatch", "NOT_SENT");
+    let _none = ask(&server, Some("cancel-1"), json!({"action": "CANCEL_ORDER"}))
+        .await
+        .problem(409, "handover-conflict", "NOT_SENT");
+    let order = "0190f3a2-0000-7000-8000-000000000001";
+    let odd = json!({"action": "RETRY", "order": order});
+    let problem = ask(&server, Some("retry-1"), odd)
+        .await
+        .problem(422, "validation", "NOT_SENT");
+    assert_eq!(problem["violations"][0]["item"], "order");
+    let messages = server.get(&format!("{ROBOT}/outbox")).await.json();
+    let kinds: Vec<_> = messages["messages"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|one| one["kind"].clone())
+        .collect();
+    assert_eq!(kinds, ["START_PAUSE"]);
+}

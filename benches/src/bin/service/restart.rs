@@ -119,6 +119,10 @@ fn audit() -> Record {
         object: format!("{CELL}/r1"),
         result: AuditResult::Done,
         request_id: None,
+        cell: None,
+        role: None,
+        source: None,
+        lease: None,
         before: Some("100".into()),
         after: Some("50".into()),
     })

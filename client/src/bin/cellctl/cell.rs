@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use api::setup::{
-    CheckFinding, SetupCheck, SetupFile, SetupRevision, Severity, TaughtPoseCheck, ZoneMargin,
+    CheckFinding, SetupCheck, SetupFile, SetupRevision, Severity, TaughtPoseCheck, TriggerBody,
+    ZoneMargin,
 };
 use clap::{Args, Subcommand, ValueEnum};
 use client::{SetupForm, SetupText, Tagged};
@@ -17,7 +18,8 @@ use crate::text::{Table, facts, word};
 
 /// The set-up of a cell: export it, check it, import it.
 ///
-/// The set-up is one file (TOML or JSON): tools, zones, stations, places, taught poses, mobile robots, routes, loads.
+/// The set-up is one file (TOML or JSON): tools, zones, stations, places, taught poses, mobile robots, routes, loads,
+/// triggers.
 ///
 /// Examples:
 ///   cellctl cell show
@@ -154,6 +156,25 @@ fn imported(revision: &SetupRevision) -> String {
     text
 }
 
+/// Each trigger with what fires it; those that are off are said to be.
+fn triggers(all: &[TriggerBody]) -> String {
+    let each = all.iter().map(|trigger| {
+        let on = &trigger.on;
+        let at = on.point.as_ref().or(on.station.as_ref());
+        let at = at.map(|at| format!(" at {at}")).unwrap_or_default();
+        let of = on.mobile_robot.as_ref();
+        let of = of.map(|of| format!(" of {of}")).unwrap_or_default();
+        let off = if trigger.enabled { "" } else { ", off" };
+        format!("{} ({}{of}{at}{off})", trigger.id, on.signal.as_str())
+    });
+    let each: Vec<_> = each.collect();
+    if each.is_empty() {
+        "none".to_owned()
+    } else {
+        each.join(", ")
+    }
+}
+
 fn summary(cell: &str, file: &SetupFile, etag: &str) -> String {
     let names = |names: Vec<&str>| {
         if names.is_empty() {
@@ -198,6 +219,7 @@ fn summary(cell: &str, file: &SetupFile, etag: &str) -> String {
             "loads",
             names(file.loads.iter().map(|load| &*load.id).collect()),
         ),
+        ("triggers", triggers(&file.triggers)),
     ]);
     let mut table = Table::new(&["place", "kind", "taught for", "accepts"]);
     for place in &file.places {

@@ -6,8 +6,8 @@ use clap::builder::NonEmptyStringValueParser;
 use clap::{Args, Parser, Subcommand};
 
 use crate::{
-    cell, control, delta, doubts, emulator, fk, home, ik, interventions, job, journal, loads,
-    motions, move_to, speed_override, stop, teach, tokens, watch,
+    audit, cell, control, delta, doubts, emulator, fk, home, ik, interventions, job, journal,
+    loads, mobile_robot, motions, move_to, speed_override, stop, teach, tokens, watch,
 };
 
 /// Drive a robot cell: move, look, calculate.
@@ -102,11 +102,13 @@ pub(crate) enum Command {
     /// Show who the server takes you for.
     Whoami,
     Tokens(tokens::TokensArgs),
+    Audit(audit::AuditArgs),
     Stop(stop::StopArgs),
     Override(speed_override::OverrideArgs),
     Doubts(doubts::DoubtsArgs),
     Job(job::JobArgs),
     Loads(loads::LoadsArgs),
+    MobileRobot(mobile_robot::MobileRobotArgs),
     /// List the hand-over sessions: states, permits, what is waited for.
     Sessions,
     Interventions(interventions::InterventionsArgs),

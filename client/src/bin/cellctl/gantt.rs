@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use api::{JobReport, PhaseKind, PhaseReport};
+use api::{JobReport, JobSimulation, PhaseKind, PhaseReport};
 
 use crate::job::seconds;
 use crate::text::word;
@@ -29,8 +29,28 @@ const KINDS: [(PhaseKind, &str, &str); 6] = [
     (PhaseKind::Undo, "#b5432f", "undo"),
 ];
 
-/// One bar a phase, its attempts side by side; the axis is in seconds from the job's beginning.
+/// The phases of a job that ran.
 pub(crate) fn svg(report: &JobReport) -> String {
+    drawing(report, &format!("job {}", report.job))
+}
+
+/// The phases of a job that was played in virtual time: a drawing must not pass for what really was.
+pub(crate) fn svg_of_simulation(simulation: &JobSimulation) -> String {
+    let violations = match simulation.violations.len() {
+        0 => "no violation".to_owned(),
+        count => format!("violations: {count}"),
+    };
+    drawing(
+        &simulation.report,
+        &format!(
+            "SIMULATED in cell {}, from its state at {}; {violations}",
+            simulation.report.cell, simulation.report.begun_at
+        ),
+    )
+}
+
+/// One bar a phase, its attempts side by side; the axis is in seconds from the job's beginning.
+fn drawing(report: &JobReport, subtitle: &str) -> String {
     let rows = rows(report.phases.len());
     let bottom = TOP + rows * ROW;
     let (width, height) = (LEFT + CHART + RIGHT, bottom + 70.0);
@@ -59,8 +79,8 @@ pub(crate) fn svg(report: &JobReport) -> String {
         escaped(&title)
     ));
     line(format!(
-        r##"<text x="16" y="46" font-size="12" fill="#5a6069">job {}</text>"##,
-        report.job
+        r##"<text x="16" y="46" font-size="12" fill="#5a6069">{}</text>"##,
+        escaped(subtitle)
     ));
     let mut mark = 0;
     while mark <= end {

@@ -1,7 +1,7 @@
 //! `cellctl job`: the group workflows.
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use api::{
     CompleteOn, Job, JobBody, JobCommand, JobCommandBody, JobItemBody, JobList, JobParams,
@@ -18,6 +18,7 @@ use crate::context::Context;
 use crate::failure::Failure;
 use crate::gantt;
 use crate::report::{Exit, Report};
+use crate::simulation;
 use crate::text::{self, Table, word};
 
 /// Ask for a job of arm and mobile robot together, steer it, see what it took.
@@ -28,6 +29,7 @@ use crate::text::{self, Table, word};
 /// Examples:
 ///   cellctl job delivery --point handover/front --item load-1=crate:left:rack/d
 ///   cellctl job pickup --point handover/front --item crate:left:rack/a --destination warehouse
+///   cellctl job simulate delivery --point handover/front --item load-1=crate:left:rack/d --plot phases.svg
 ///   cellctl job list --state HELD
 ///   cellctl job hold 019302d4-7b3f-7c7e-8f3a-2f6f1b0c9d11 --reason "a visitor in the aisle"
 ///   cellctl job report 019302d4-7b3f-7c7e-8f3a-2f6f1b0c9d11 --plot phases.svg
@@ -40,30 +42,15 @@ pub(crate) struct JobArgs {
 
 #[derive(Debug, Subcommand)]
 enum JobWhat {
-    /// A mobile robot brings loads, an arm unloads and places them.
-    Delivery {
-        #[command(flatten)]
-        new: NewArgs,
-        /// Let the mobile robot go as soon as the last load was lifted.
-        #[arg(long)]
-        early_release: bool,
-        /// Other places that do as well, for every item.
-        #[arg(long, value_name = "PLACE")]
-        alternate: Vec<String>,
-    },
-    /// An arm loads a mobile robot, which takes the loads away.
-    Pickup {
-        #[command(flatten)]
-        new: NewArgs,
-        /// Pick the first load while the mobile robot is on its way.
-        #[arg(long)]
-        prefetch: bool,
-        /// Where the mobile robot takes the loads.
-        #[arg(long, value_name = "ID")]
-        destination: Option<String>,
-        /// The job is complete when the loads are delivered, and not already when the mobile robot has left.
-        #[arg(long, requires = "destination")]
-        until_delivered: bool,
+    #[command(flatten)]
+    New(NewJob),
+    /// Play a job in virtual time: what would become of it, and how long it would take. Nothing real moves.
+    Simulate {
+        #[command(subcommand)]
+        new: NewJob,
+        /// Draw the phases over simulated time into this file.
+        #[arg(long, value_name = "FILE.svg", global = true)]
+        plot: Option<PathBuf>,
     },
     /// List the jobs, the newest first.
     List {
@@ -110,6 +97,36 @@ enum JobWhat {
         /// Draw the phases over time into this file.
         #[arg(long, value_name = "FILE.svg")]
         plot: Option<PathBuf>,
+    },
+}
+
+/// A job of one of the workflows.
+#[derive(Debug, Subcommand)]
+enum NewJob {
+    /// A mobile robot brings loads, an arm unloads and places them.
+    Delivery {
+        #[command(flatten)]
+        new: NewArgs,
+        /// Let the mobile robot go as soon as the last load was lifted.
+        #[arg(long)]
+        early_release: bool,
+        /// Other places that do as well, for every item.
+        #[arg(long, value_name = "PLACE")]
+        alternate: Vec<String>,
+    },
+    /// An arm loads a mobile robot, which takes the loads away.
+    Pickup {
+        #[command(flatten)]
+        new: NewArgs,
+        /// Pick the first load while the mobile robot is on its way.
+        #[arg(long)]
+        prefetch: bool,
+        /// Where the mobile robot takes the loads.
+        #[arg(long, value_name = "ID")]
+        destination: Option<String>,
+        /// The job is complete when the loads are delivered, and not already when the mobile robot has left.
+        #[arg(long, requires = "destination")]
+        until_delivered: bool,
     },
 }
 
@@ -193,31 +210,19 @@ fn item(text: &str) -> Result<JobItemBody, String> {
 pub(crate) async fn run(args: JobArgs, context: &Context) -> Result<Report, Failure> {
     let jobs = context.client.jobs(&context.cell().await?);
     match args.command {
-        JobWhat::Delivery {
-            new,
-            early_release,
-            alternate,
-        } => {
-            let (mut body, ask) = body(new, WorkflowName::DeliveryAndPlacement);
-            body.params.early_release = early_release;
-            for item in &mut body.params.items {
-                item.alternates.clone_from(&alternate);
-            }
+        JobWhat::New(new) => {
+            let (body, ask) = new.body();
             create(&jobs, &body, &ask, context).await
         }
-        JobWhat::Pickup {
-            new,
-            prefetch,
-            destination,
-            until_delivered,
-        } => {
-            let (mut body, ask) = body(new, WorkflowName::PickupAndDelivery);
-            body.params.prefetch = prefetch;
-            body.params.destination = destination;
-            if until_delivered {
-                body.params.complete_on = CompleteOn::Delivered;
+        JobWhat::Simulate { new, plot } => {
+            let (body, _key) = new.body();
+            let simulation = jobs.simulate(&body).await?;
+            if let Some(file) = &plot {
+                draw(file, &gantt::svg_of_simulation(&simulation))?;
             }
-            create(&jobs, &body, &ask, context).await
+            Ok(context.report(Exit::Done, &simulation, |simulation| {
+                drawn(simulation::sentences(simulation), plot.as_deref())
+            }))
         }
         JobWhat::List {
             state,
@@ -237,17 +242,56 @@ pub(crate) async fn run(args: JobArgs, context: &Context) -> Result<Report, Fail
         JobWhat::Report { id, plot } => {
             let report = jobs.report(id).await?;
             if let Some(file) = &plot {
-                std::fs::write(file, gantt::svg(&report)).map_err(|error| {
-                    Failure::Usage(format!("{} cannot be written: {error}", file.display()))
-                })?;
+                draw(file, &gantt::svg(&report))?;
             }
             Ok(context.report(Exit::Done, &report, |report| {
-                let mut text = figures(report);
-                if let Some(file) = &plot {
-                    let _string = writeln!(text, "\nDrawn into {}", file.display());
-                }
-                text
+                drawn(figures(report), plot.as_deref())
             }))
+        }
+    }
+}
+
+fn draw(file: &Path, svg: &str) -> Result<(), Failure> {
+    std::fs::write(file, svg)
+        .map_err(|error| Failure::Usage(format!("{} cannot be written: {error}", file.display())))
+}
+
+fn drawn(mut text: String, plot: Option<&Path>) -> String {
+    if let Some(file) = plot {
+        let _string = writeln!(text, "\nDrawn into {}", file.display());
+    }
+    text
+}
+
+impl NewJob {
+    fn body(self) -> (JobBody, Ask) {
+        match self {
+            Self::Delivery {
+                new,
+                early_release,
+                alternate,
+            } => {
+                let (mut body, ask) = body(new, WorkflowName::DeliveryAndPlacement);
+                body.params.early_release = early_release;
+                for item in &mut body.params.items {
+                    item.alternates.clone_from(&alternate);
+                }
+                (body, ask)
+            }
+            Self::Pickup {
+                new,
+                prefetch,
+                destination,
+                until_delivered,
+            } => {
+                let (mut body, ask) = body(new, WorkflowName::PickupAndDelivery);
+                body.params.prefetch = prefetch;
+                body.params.destination = destination;
+                if until_delivered {
+                    body.params.complete_on = CompleteOn::Delivered;
+                }
+                (body, ask)
+            }
         }
     }
 }
@@ -480,6 +524,26 @@ pub(crate) fn seconds(ms: u64) -> String {
     format!("{}.{:01}", ms / 1_000, ms % 1_000 / 100)
 }
 
+/// The phases as a table; nothing where there are none.
+pub(crate) fn phases(report: &JobReport) -> String {
+    if report.phases.is_empty() {
+        return String::new();
+    }
+    let mut table = Table::new(&["phase", "", "where", ">from s", ">took s", ">tries", "end"]);
+    for phase in &report.phases {
+        table.row([
+            phase.code.clone(),
+            phase.phase.to_lowercase().replace('_', " "),
+            phase.place.clone().unwrap_or_default(),
+            seconds(phase.begin_ms),
+            seconds(phase.duration_ms),
+            phase.attempts.len().to_string(),
+            phase.end.clone().unwrap_or_else(|| "runs".to_owned()),
+        ]);
+    }
+    table.to_string()
+}
+
 fn figures(report: &JobReport) -> String {
     let mut text = text::facts(&[
         ("job", report.job.to_string()),
@@ -491,21 +555,7 @@ fn figures(report: &JobReport) -> String {
         ("cycle time", format!("{} s", seconds(report.cycle_ms))),
         ("restarts", report.restarts.to_string()),
     ]);
-    if !report.phases.is_empty() {
-        let mut table = Table::new(&["phase", "", "where", ">from s", ">took s", ">tries", "end"]);
-        for phase in &report.phases {
-            table.row([
-                phase.code.clone(),
-                phase.phase.to_lowercase().replace('_', " "),
-                phase.place.clone().unwrap_or_default(),
-                seconds(phase.begin_ms),
-                seconds(phase.duration_ms),
-                phase.attempts.len().to_string(),
-                phase.end.clone().unwrap_or_else(|| "runs".to_owned()),
-            ]);
-        }
-        text.push_str(&table.to_string());
-    }
+    text.push_str(&phases(report));
     for fault in &report.faults {
         let _string = writeln!(
             text,

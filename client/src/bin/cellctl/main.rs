@@ -1,5 +1,6 @@
 //! `cellctl`: a robot cell from the command line.
 
+mod audit;
 mod cell;
 mod cells;
 mod cli;
@@ -21,10 +22,12 @@ mod job;
 mod journal;
 mod loads;
 mod login;
+mod mobile_robot;
 mod motions;
 mod move_to;
 mod numbers;
 mod report;
+mod simulation;
 mod speed_override;
 mod state;
 mod stop;
@@ -78,12 +81,14 @@ async fn run(cli: Cli) -> Result<Report, Failure> {
         Command::Login => login::login(&context).await,
         Command::Logout => login::logout(&context),
         Command::Whoami => login::whoami(&context).await,
+        Command::Audit(args) => audit::run(args, &context).await,
         Command::Tokens(args) => tokens::run(args, &context).await,
         Command::Stop(args) => stop::run(args, &context).await,
         Command::Override(args) => speed_override::run(args, &context).await,
         Command::Doubts(args) => doubts::run(args, &context).await,
         Command::Job(args) => job::run(args, &context).await,
         Command::Loads(args) => loads::run(args, &context).await,
+        Command::MobileRobot(args) => mobile_robot::run(args, &context).await,
         Command::Sessions => loads::sessions(&context).await,
         Command::Interventions(args) => interventions::run(args, &context).await,
         Command::Watch(args) => watch::run(args, &context).await,

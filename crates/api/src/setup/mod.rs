@@ -11,6 +11,7 @@ mod check;
 mod floor;
 mod teach;
 mod timers;
+mod triggers;
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -31,6 +32,7 @@ pub use teach::{
     CalibrationBody, CalibrationPoint, CalibrationResult, ExplicitPose, TeachBody, TeachResult,
 };
 pub use timers::TimersBody;
+pub use triggers::{TriggerBody, TriggerJob, TriggerOn};
 
 /// The version of the set-up file that this API reads and writes.
 pub const SETUP_FORMAT: u32 = 1;
@@ -79,6 +81,9 @@ pub struct SetupFile {
     /// The loads, and where they are at first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub loads: Vec<LoadBody>,
+    /// Jobs that mobile robots start by their own signals.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub triggers: Vec<TriggerBody>,
 }
 
 impl SetupFile {
@@ -99,6 +104,7 @@ impl SetupFile {
             mobile_robots: Vec::new(),
             routes: Vec::new(),
             loads: Vec::new(),
+            triggers: Vec::new(),
         }
     }
 }

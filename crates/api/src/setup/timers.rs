@@ -57,4 +57,16 @@ pub struct TimersBody {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 1, maximum = 86_400_000)]
     pub transport_ms: Option<u64>,
+    /// After which silence a docked mobile robot counts as lost; 3 000.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(minimum = 1, maximum = 86_400_000)]
+    pub heartbeat_ms: Option<u64>,
+    /// After which silence an arm counts as lost; 3 000.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(minimum = 1, maximum = 86_400_000)]
+    pub arm_silence_ms: Option<u64>,
+    /// How much longer than one and a half times its plan a motion may take; 5 000.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(minimum = 1, maximum = 86_400_000)]
+    pub motion_margin_ms: Option<u64>,
 }

@@ -12,8 +12,11 @@ use crate::index::Index;
 use crate::rules::Verdict;
 use crate::{
     AppendError, Appended, Clocks, Effect, Epoch, Head, KeyEntry, Opening, Position, Receipt,
-    Record, Refusal, Row, ServerStarted, Stored, Walker,
+    Record, Refusal, Room, Row, ServerStarted, Stored, Walker,
 };
+
+/// What the reserve is said to be; nothing is really held back in memory.
+const RESERVE: u64 = 16 << 20;
 
 /// A disk that outlives the journals opened on it, one after the other.
 #[derive(Clone, Debug, Default)]
@@ -44,6 +47,7 @@ pub(super) struct State {
     ahead_head: Head,
     waiting: Vec<Waiting>,
     holding: Holding,
+    pub(super) room: Room,
     faults: BTreeMap<u64, Fault>,
     faults_of_kind: BTreeMap<&'static str, Fault>,
     writes: u64,
@@ -104,6 +108,16 @@ impl MemoryDisk {
     #[must_use]
     pub fn writes(&self) -> u64 {
         self.lock().writes
+    }
+
+    /// From here on the disk is full, and the journal lives on its reserve.
+    pub fn fill(&self) {
+        self.lock().room = Room::Reserve { bytes: RESERVE };
+    }
+
+    /// There is room again.
+    pub fn make_room(&self) {
+        self.lock().room = Room::Free;
     }
 
     /// From here on writes wait for their sync, as on a disk that stalls.
@@ -199,6 +213,10 @@ impl State {
             .skip(usize::try_from(passed).unwrap_or(usize::MAX))
     }
 
+    pub(super) fn rows(&self) -> impl DoubleEndedIterator<Item = &Row> {
+        self.rows.iter()
+    }
+
     pub(super) fn row(&self, position: Position) -> Option<&Row> {
         let before = self.forgotten.position.next();
         let index = usize::try_from(position.0.checked_sub(before.0)?).ok()?;
@@ -251,6 +269,11 @@ impl State {
                 return self.replayed(&entry).map(Wait::Ready);
             }
         };
+        if let Some(refusal) = self.room.refusal()
+            && record.begins_work()
+        {
+            return Err(refusal);
+        }
         let stored = Stored {
             position,
             epoch: self.ahead.epoch,

@@ -17,7 +17,7 @@ use crate::rules::judge_claim;
 use crate::{
     AppendError, Appended, Broken, Claim, Clocks, Effect, Epoch, Head, JobEntry, JobId, Journal,
     KeyEntry, LookupError, MotionEntry, MotionId, MotionPhase, MotionStory, Opening, Position,
-    ReadError, Record, Replay, Stored,
+    ReadError, Record, Replay, Room, Stored,
 };
 
 /// A journal on a [`MemoryDisk`].
@@ -80,6 +80,10 @@ impl Journal for MemoryJournal {
 
     fn head(&self) -> Head {
         self.disk.lock().head()
+    }
+
+    fn room(&self) -> Room {
+        self.disk.lock().room
     }
 
     async fn append(&self, at: Clocks, record: Record) -> Result<Appended, AppendError> {
@@ -198,6 +202,18 @@ impl Journal for MemoryJournal {
                 .take(limit)
                 .map(|(position, _)| state.read(*position))
                 .collect()
+        })
+    }
+
+    async fn audits(&self, before: Position, limit: usize) -> Result<Vec<Stored>, ReadError> {
+        check_limit(limit)?;
+        self.with(|state| {
+            let rows = state.rows().rev().filter(|row| row.position < before);
+            let audits = rows.filter_map(|row| match state.read(row.position) {
+                Ok(stored) => matches!(stored.record, Record::Audit(_)).then_some(Ok(stored)),
+                Err(error) => Some(Err(error)),
+            });
+            audits.take(limit).collect()
         })
     }
 }

@@ -133,6 +133,24 @@ impl Record {
         }
     }
 
+    /// Whether something begins with it. On a full disk only what ends or tells is still kept.
+    #[must_use]
+    pub fn begins_work(&self) -> bool {
+        match self {
+            Self::Intent(_) | Self::JobCreated(_) => true,
+            // A decision of a cell is one record whether it begins a job or ends one; whoever decides knows which.
+            Self::CellDecided(_)
+            | Self::ServerStarted(_)
+            | Self::Accepted(_)
+            | Self::Outcome(_)
+            | Self::JobStep(_)
+            | Self::JobEnded(_)
+            | Self::SignalReceived(_)
+            | Self::Decision(_)
+            | Self::Audit(_) => false,
+        }
+    }
+
     /// The key the record takes, where it takes one.
     #[must_use]
     pub fn claim(&self) -> Option<&Claim> {

@@ -192,6 +192,18 @@ pub struct Audit {
     /// The HTTP request behind it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub request_id: Option<String>,
+    /// The cell it is about; none where it is about the whole server.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cell: Option<String>,
+    /// The role in which it was done.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub role: Option<String>,
+    /// The address it came from.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub source: Option<String>,
+    /// The epoch of the lease of control it is about.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lease: Option<u64>,
     /// What it was, JSON as text.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub before: Option<String>,

@@ -6,6 +6,7 @@ mod lock;
 mod offline;
 mod open;
 mod reader;
+mod reserve;
 mod store;
 mod writer;
 
@@ -27,7 +28,7 @@ use crate::rules::judge_claim;
 use crate::{
     AppendError, Appended, Claim, Clocks, Effect, Epoch, Head, JobEntry, JobId, Journal,
     KeyRetention, LookupError, MotionEntry, MotionId, MotionPhase, MotionStory, Opening, Position,
-    ReadError, Record, Replay, Stored,
+    ReadError, Record, Replay, Room, Stored,
 };
 use writer::{Request, Writer};
 
@@ -44,6 +45,11 @@ pub struct SqliteOptions {
     pub verify_last: u64,
     /// The largest size of the file in pages of 4 KiB; none for as large as the disk.
     pub max_pages: Option<u32>,
+    /// Bytes that are held back on the disk (and within `max_pages`) for what must still be kept when it is full; 0 for
+    /// none: then the journal takes nothing more after the first record that finds no room.
+    pub reserve: u64,
+    /// How often a journal that lives on its reserve looks whether there is room again.
+    pub look_for_room: Duration,
 }
 
 /// Whether a journal may be an older one than was open at the same place before.
@@ -58,7 +64,8 @@ pub enum History {
 }
 
 impl Default for SqliteOptions {
-    /// The filesystem is checked, 1,024 may wait, the last 100,000 are checked (half a second), as large as the disk.
+    /// The filesystem is checked, 1,024 may wait, the last 100,000 are checked (half a second), as large as the disk,
+    /// without a reserve.
     fn default() -> Self {
         Self {
             filesystem: Filesystem::Checked,
@@ -66,6 +73,8 @@ impl Default for SqliteOptions {
             queue: 1_024,
             verify_last: 100_000,
             max_pages: None,
+            reserve: 0,
+            look_for_room: Duration::from_secs(10),
         }
     }
 }
@@ -77,6 +86,7 @@ impl Default for SqliteOptions {
 pub struct SqliteJournal {
     queue: mpsc::Sender<Request>,
     head: watch::Receiver<Head>,
+    room: watch::Receiver<Room>,
     epoch: Epoch,
     keys: KeyRetention,
     readers: SqlitePool,
@@ -96,7 +106,12 @@ impl SqliteJournal {
         opening: &Opening,
         options: &SqliteOptions,
     ) -> Result<Self, OpenError> {
-        let open::Opened { store, lock, path } = open::open(path, opening, options).await?;
+        let open::Opened {
+            store,
+            lock,
+            reserve,
+            path,
+        } = open::open(path, opening, options).await?;
         let readers = SqlitePoolOptions::new()
             .max_connections(2)
             .acquire_timeout(Duration::from_secs(5))
@@ -104,14 +119,19 @@ impl SqliteJournal {
         let (publish, head) = watch::channel(store.head);
         let (epoch, keys) = (store.epoch, store.keys);
         let (queue, requests) = mpsc::channel(options.queue.max(1));
+        let (tell_room, room) = watch::channel(reserve.room());
         let writer = Writer {
             store,
             publish,
+            room: tell_room,
+            reserve,
+            look_for_room: options.look_for_room,
             lock,
         };
         Ok(Self {
             queue,
             head,
+            room,
             epoch,
             keys,
             readers,
@@ -145,6 +165,10 @@ impl Journal for SqliteJournal {
 
     fn head(&self) -> Head {
         *self.head.borrow()
+    }
+
+    fn room(&self) -> Room {
+        *self.room.borrow()
     }
 
     async fn append(&self, at: Clocks, record: Record) -> Result<Appended, AppendError> {
@@ -223,5 +247,10 @@ impl Journal for SqliteJournal {
     ) -> Result<Vec<Stored>, ReadError> {
         check_limit(limit)?;
         reader::decided(&mut *self.reader().await?, cell, after, limit).await
+    }
+
+    async fn audits(&self, before: Position, limit: usize) -> Result<Vec<Stored>, ReadError> {
+        check_limit(limit)?;
+        reader::audits(&mut *self.reader().await?, before, limit).await
     }
 }

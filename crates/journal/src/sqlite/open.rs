@@ -10,10 +10,12 @@ use thiserror::Error;
 
 use super::filesystem::{self, Filesystem};
 use super::lock::Lock;
+use super::reserve::{Pages, Reserve};
 use super::store::{APPLICATION_ID, SCHEMA_VERSION, Store};
 use super::{History, SqliteOptions, reader, writer};
 use crate::{
-    AppendError, Broken, Epoch, Head, MAX_PAGE, Opening, Position, Record, ServerStarted, Walker,
+    AppendError, Broken, Epoch, Head, MAX_PAGE, Opening, Position, Record, Room, ServerStarted,
+    Walker,
 };
 
 /// The journal was not opened. Nothing may move.
@@ -106,6 +108,7 @@ pub enum OpenError {
 pub(super) struct Opened {
     pub(super) store: Store,
     pub(super) lock: Lock,
+    pub(super) reserve: Reserve,
     pub(super) path: PathBuf,
 }
 
@@ -137,11 +140,31 @@ pub(super) async fn open(
         program: opening.program.clone(),
         keys: opening.keys,
     };
-    writer::write_opening(&mut store, opening.at, &Record::ServerStarted(started))
-        .await
-        .map_err(OpenError::Write)?;
+    let mut reserve = Reserve::new(&path, options);
+    let started = Record::ServerStarted(started);
+    let mut written = writer::write_opening(&mut store, opening.at, &started).await;
+    if let Err(error) = &written
+        && error.is_disk_full()
+        && reserve
+            .open(&mut store)
+            .await
+            .map_err(failed("opening the reserve"))?
+    {
+        written = writer::write_opening(&mut store, opening.at, &started).await;
+    }
+    written.map_err(OpenError::Write)?;
     lock.keep(store.epoch)?;
-    Ok(Opened { store, lock, path })
+    // On a full disk there is none to be made, and the journal is open all the same: doubts can be decided.
+    if reserve.room() == Room::Free {
+        let stocked = reserve.stock(&mut store).await;
+        stocked.map_err(failed("making the reserve"))?;
+    }
+    Ok(Opened {
+        store,
+        lock,
+        reserve,
+        path,
+    })
 }
 
 /// The file's connection, made durable and checked, with its tables.
@@ -153,8 +176,8 @@ pub(super) async fn load(path: &Path, options: &SqliteOptions) -> Result<Store, 
         // macOS: a plain fsync leaves the bytes in the drive's cache.
         .pragma("fullfsync", "1")
         .pragma("checkpoint_fullfsync", "1");
-    if let Some(pages) = options.max_pages {
-        connect = connect.pragma("max_page_count", pages.to_string());
+    if let Some(pages) = Pages::of(options) {
+        connect = connect.pragma("max_page_count", pages.without_reserve.to_string());
     }
     let mut connection = connect
         .connect()
@@ -179,6 +202,8 @@ pub(super) fn connect_options(path: &Path) -> SqliteConnectOptions {
     SqliteConnectOptions::new()
         .filename(path)
         .busy_timeout(Duration::from_secs(2))
+        // No file in a directory for temporary ones, which may be full, read-only or not there.
+        .pragma("temp_store", "MEMORY")
         .pragma("trusted_schema", "0")
         .pragma("cell_size_check", "1")
 }
@@ -318,4 +343,47 @@ fn sync_directory(_path: &Path) -> Result<(), OpenError> {
 
 pub(super) fn failed(step: &'static str) -> impl Fn(sqlx::Error) -> OpenError {
     move |source| OpenError::Store { step, source }
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::*;
+
+    /// The files this process has open, those that were deleted among them.
+    fn open_files() -> Vec<String> {
+        let files = std::fs::read_dir("/proc/self/fd").expect("Linux has it");
+        files
+            .filter_map(|file| std::fs::read_link(file.ok()?.path()).ok())
+            .map(|file| file.to_string_lossy().into_owned())
+            .collect()
+    }
+
+    /// Covers: D7. What SQLite cannot keep in its cache while it sorts would go into a file in a temporary directory.
+    #[tokio::test]
+    async fn d7_sqlite_needs_no_directory_for_temporary_files() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("cell.journal");
+        let mut store = load(&path, &SqliteOptions::default()).await.unwrap();
+        let kind: i64 = pragma(&mut store.connection, "PRAGMA temp_store")
+            .await
+            .unwrap();
+        assert_eq!(kind, 2);
+        let spill = "CREATE TEMP TABLE spill (text TEXT); PRAGMA temp.cache_size = 1; \
+             WITH RECURSIVE n (i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < 20000) \
+             INSERT INTO spill SELECT hex(randomblob(100)) FROM n; \
+             CREATE TEMP TABLE sorted AS SELECT text FROM spill ORDER BY text";
+        let _done = sqlx::raw_sql(spill)
+            .execute(&mut store.connection)
+            .await
+            .unwrap();
+        let files = open_files();
+        assert!(
+            files.iter().any(|file| file.ends_with("cell.journal")),
+            "{files:?}"
+        );
+        assert!(
+            files.iter().all(|file| !file.contains("etilqs")),
+            "{files:?}"
+        );
+    }
 }

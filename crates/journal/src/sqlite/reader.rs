@@ -207,6 +207,27 @@ pub(super) async fn decided(
         .collect()
 }
 
+pub(super) async fn audits(
+    connection: &mut SqliteConnection,
+    before: Position,
+    limit: usize,
+) -> Result<Vec<Stored>, ReadError> {
+    // The condition is the one of the partial index.
+    let rows = sqlx::query(
+        "SELECT * FROM records INDEXED BY records_audit \
+         WHERE instr(body, '\"record\":{\"kind\":\"audit\"') > 0 AND position < ? \
+         ORDER BY position DESC LIMIT ?",
+    )
+    .bind(to_sql(before).map_err(store)?)
+    .bind(sql_limit(limit))
+    .fetch_all(connection)
+    .await
+    .map_err(store)?;
+    rows.iter()
+        .map(|row| checked(&record_row(row).map_err(store)?))
+        .collect()
+}
+
 /// What a row says, if it is what was hashed.
 fn checked(row: &Row) -> Result<Stored, ReadError> {
     let before = Head {

@@ -63,16 +63,24 @@ impl Store {
     /// Takes over the tables of an existing file.
     pub(super) async fn load(mut connection: SqliteConnection) -> Result<Self, sqlx::Error> {
         let (head, epoch, keys) = columns::head(&mut connection).await?;
-        let count = sqlx::query("SELECT count(*) AS count FROM keys")
-            .fetch_one(&mut connection)
-            .await?;
+        let key_count = count_keys(&mut connection).await?;
         Ok(Self {
             connection,
             head,
             epoch,
             keys,
-            key_count: columns::unsigned(&count, "count")?,
+            key_count,
         })
+    }
+
+    /// Undoes a transaction that failed, and takes over again what the file says.
+    pub(super) async fn undo(&mut self) -> Result<(), sqlx::Error> {
+        // SQLite may have undone it already; then this is an error that tells nothing.
+        let _undone = self.run(sqlx::query("ROLLBACK")).await;
+        let (head, epoch, keys) = columns::head(&mut self.connection).await?;
+        let count = count_keys(&mut self.connection).await?;
+        (self.head, self.epoch, self.keys, self.key_count) = (head, epoch, keys, count);
+        Ok(())
     }
 
     pub(super) async fn begin(&mut self) -> Result<(), sqlx::Error> {
@@ -275,6 +283,13 @@ pub(super) enum CommitError {
     Before(sqlx::Error),
     /// It may be found.
     At(sqlx::Error),
+}
+
+async fn count_keys(connection: &mut SqliteConnection) -> Result<u64, sqlx::Error> {
+    let count = sqlx::query("SELECT count(*) AS count FROM keys")
+        .fetch_one(connection)
+        .await?;
+    columns::unsigned(&count, "count")
 }
 
 pub(super) async fn key_facts(

@@ -4,18 +4,20 @@
 //! append costs an fsync, with many they share it.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use sqlx::Connection as _;
 use tokio::sync::{mpsc, oneshot, watch};
 
 use super::lock::Lock;
 use super::reader;
+use super::reserve::Reserve;
 use super::store::{CommitError, Store};
-use crate::error::Cause;
+use crate::error::{Cause, is_full};
 use crate::rules::Verdict;
 use crate::{
     AppendError, Appended, Clocks, Effect, Head, KeyEntry, Position, Receipt, Record, Refusal,
-    Replay, Row, Stored,
+    Replay, Room, Row, Stored,
 };
 
 /// Requests of one transaction.
@@ -32,9 +34,15 @@ pub(super) struct Request {
 pub(super) struct Writer {
     pub(super) store: Store,
     pub(super) publish: watch::Sender<Head>,
+    pub(super) room: watch::Sender<Room>,
+    pub(super) reserve: Reserve,
+    pub(super) look_for_room: Duration,
     /// Held until the connection is closed.
     pub(super) lock: Lock,
 }
+
+/// What became of one request of a transaction.
+type Admitted = Result<Appended, AppendError>;
 
 /// The transaction failed, and with it every request in it.
 #[derive(Debug)]
@@ -48,7 +56,7 @@ impl Writer {
     pub(super) async fn run(mut self, mut requests: mpsc::Receiver<Request>) {
         let mut group = Vec::with_capacity(MAX_GROUP);
         let mut poison = None;
-        while poison.is_none() && requests.recv_many(&mut group, MAX_GROUP).await > 0 {
+        while poison.is_none() && self.receive(&mut requests, &mut group).await > 0 {
             poison = self.write(&mut group).await;
         }
         // Closing may fail for the reason the write did; there is nothing more to lose then.
@@ -61,14 +69,54 @@ impl Writer {
         }
     }
 
+    /// Waits for requests; meanwhile, on the reserve, looks whether there is room again.
+    async fn receive(
+        &mut self,
+        requests: &mut mpsc::Receiver<Request>,
+        group: &mut Vec<Request>,
+    ) -> usize {
+        while self.reserve.room() != Room::Free {
+            let receive = requests.recv_many(group, MAX_GROUP);
+            match tokio::time::timeout(self.look_for_room, receive).await {
+                Ok(received) => return received,
+                Err(_nobody_asks) => {
+                    // A failure says that there is still none.
+                    let _unknown = self.reserve.close(&mut self.store).await;
+                    let _before = self.room.send_replace(self.reserve.room());
+                }
+            }
+        }
+        requests.recv_many(group, MAX_GROUP).await
+    }
+
+    /// Writes a group, on the reserve where there is no other room.
+    ///
+    /// A write that found no room is not an fsync that failed: SQLite has not put the end of the transaction into its
+    /// log, so that undoing it and reading the head again shows what is on the disk.
+    async fn attempt(&mut self, group: &[Request]) -> Result<Vec<Admitted>, Failure> {
+        let failure = match self.transaction(group).await {
+            Ok(results) => return Ok(results),
+            Err(failure) => failure,
+        };
+        if !is_full(&failure.source) {
+            return Err(failure);
+        }
+        match self.reserve.open(&mut self.store).await {
+            Ok(true) => {
+                let _before = self.room.send_replace(self.reserve.room());
+                self.transaction(group).await
+            }
+            Ok(false) | Err(_) => Err(failure),
+        }
+    }
+
     /// Writes a group and answers each of it; the cause, if the journal is of no more use.
     async fn write(&mut self, group: &mut Vec<Request>) -> Option<Cause> {
-        let mut results = Vec::with_capacity(group.len());
-        match self.transaction(group, &mut results).await {
-            Ok(()) => {
+        match self.attempt(group).await {
+            Ok(results) => {
                 let _before = self.publish.send_replace(self.store.head);
                 for (request, result) in group.drain(..).zip(results) {
-                    answer(request, result.map_err(AppendError::Refused));
+                    answer(request, result);
                 }
                 None
             }
@@ -89,15 +137,13 @@ impl Writer {
         }
     }
 
-    async fn transaction(
-        &mut self,
-        group: &[Request],
-        results: &mut Vec<Result<Appended, Refusal>>,
-    ) -> Result<(), Failure> {
+    async fn transaction(&mut self, group: &[Request]) -> Result<Vec<Admitted>, Failure> {
+        let mut results = Vec::with_capacity(group.len());
+        let no_room = self.reserve.room().refusal();
         let store = &mut self.store;
         store.begin().await.map_err(before("beginning"))?;
         for Request { at, record, .. } in group {
-            results.push(admit(store, *at, record).await?);
+            results.push(admit(store, *at, record, no_room.as_ref()).await?);
         }
         store.commit().await.map_err(|error| match error {
             CommitError::Before(source) => before("writing the head")(source),
@@ -106,7 +152,8 @@ impl Writer {
                 effect: Effect::Unknown,
                 source,
             },
-        })
+        })?;
+        Ok(results)
     }
 }
 
@@ -142,7 +189,8 @@ async fn admit(
     store: &mut Store,
     at: Clocks,
     record: &Record,
-) -> Result<Result<Appended, Refusal>, Failure> {
+    no_room: Option<&AppendError>,
+) -> Result<Admitted, Failure> {
     let verdict = store
         .judge(record, at)
         .await
@@ -153,11 +201,16 @@ async fn admit(
             let replay = replay(store, &entry).await?;
             return Ok(Ok(Appended::Replayed(Box::new(replay))));
         }
-        Err(refusal) => return Ok(Err(refusal)),
+        Err(refusal) => return Ok(Err(AppendError::Refused(refusal))),
     };
+    if let Some(no_room) = no_room
+        && record.begins_work()
+    {
+        return Ok(Err(no_room.clone()));
+    }
     let row = match row(store, at, record) {
         Ok(row) => row,
-        Err(refusal) => return Ok(Err(refusal)),
+        Err(refusal) => return Ok(Err(AppendError::Refused(refusal))),
     };
     store
         .keep(row, change, &at)

@@ -158,6 +158,10 @@ pub(crate) fn audit(n: u64) -> Record {
         object: format!("r{n}"),
         result: AuditResult::Done,
         request_id: None,
+        cell: None,
+        role: None,
+        source: None,
+        lease: None,
         before: None,
         after: None,
     })

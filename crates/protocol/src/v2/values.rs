@@ -89,6 +89,13 @@ impl WirePose {
     }
 }
 
+/// The target of a move of the seed's wire, which has the same thousandths.
+impl From<crate::WireMove> for WirePose {
+    fn from(target: crate::WireMove) -> Self {
+        Self(target.thousandths())
+    }
+}
+
 /// Joint values as on the pendant that the wire can carry exactly: thousandths of a degree, J1 first.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub struct WireJoints([i32; 6]);

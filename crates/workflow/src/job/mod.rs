@@ -216,6 +216,8 @@ pub(crate) struct Job {
     pub number: u64,
     pub spec: NewJob,
     pub trigger: Option<String>,
+    /// The signal that fired it: mobile robot, boot, number.
+    pub origin: Option<String>,
     pub state: JobState,
     pub why: Why,
     pub text: String,
@@ -234,6 +236,15 @@ pub(crate) struct Job {
 }
 
 impl Job {
+    /// Whether a signal of this mobile robot started it.
+    pub(crate) fn signaled_by(&self, mobile_robot: &str) -> bool {
+        let who = self
+            .origin
+            .as_deref()
+            .and_then(|origin| origin.split('/').next());
+        who == Some(mobile_robot)
+    }
+
     pub(crate) fn step(&self, index: usize) -> Option<&Step> {
         self.steps.get(index)
     }

@@ -226,10 +226,6 @@ impl Work<'_> {
 
     /// The arm left its place: what was begun there begins anew, and what the gripper had already done there is done.
     fn after_back_out(&mut self, job: &Job) {
-        if let Some(done) = self.grip_done_before(job) {
-            self.step_to(job, done, StepState::Succeeded, "done before the arm left");
-            return;
-        }
         let begun = |phase: Phase| {
             job.steps.iter().position(|s| {
                 s.plan.phase == phase
@@ -240,6 +236,14 @@ impl Work<'_> {
             (Phase::Grip, Phase::Approach),
             (Phase::Release, Phase::PlaceApproach),
         ] {
+            // The gripper had already done it when the arm was told to leave: done again, the arm would drive into the
+            // load it put down, or with a load in its gripper to where that came from.
+            if let Some(late) = begun(late)
+                && self.has_gripped_as_planned(job, late)
+            {
+                self.step_to(job, late, StepState::Succeeded, "done before the arm left");
+                continue;
+            }
             let again = match (begun(late), begun(early)) {
                 (Some(late), _) => {
                     let item = job.step(late).and_then(|s| s.plan.item);
@@ -266,20 +270,22 @@ impl Work<'_> {
         }
     }
 
-    /// A running grip or release whose load has changed hands already: only its end was not said any more.
-    fn grip_done_before(&self, job: &Job) -> Option<usize> {
-        let arm = job.arm.as_ref()?;
-        job.steps.iter().position(|s| {
-            let load = s
-                .plan
-                .item
-                .and_then(|item| job.items.get(item))
-                .and_then(|item| item.load.as_deref());
-            let held = load.is_some() && self.cell.book.custody.in_gripper(arm) == load;
-            let acted = s.state == StepState::Running && s.done_ops > 0;
-            let phase = s.plan.phase;
-            acted && ((phase == Phase::Grip && held) || (phase == Phase::Release && !held))
-        })
+    /// Custody says that the load of a grip or release is where the step was to bring it.
+    fn has_gripped_as_planned(&self, job: &Job, step: usize) -> bool {
+        let Some((found, load)) = job
+            .step(step)
+            .zip(job.item_of(step).and_then(|(_, item)| item.load.as_ref()))
+        else {
+            return false;
+        };
+        let custody = &self.cell.book.custody;
+        if found.plan.phase == Phase::Grip {
+            let arm = job.arm.as_deref();
+            return arm.is_some_and(|arm| custody.in_gripper(arm) == Some(load.as_str()));
+        }
+        let target = found.plan.place.as_ref();
+        let target = target.and_then(|place| self.location_of(job, place));
+        target.is_some() && custody.of(load) == target.as_ref()
     }
 
     /// An operation ended: what does it mean?

@@ -266,7 +266,7 @@ impl Work<'_> {
                         .place
                         .as_ref()
                         .and_then(|p| self.location_of(job, p))
-                        .is_some_and(|at| self.cell.is_free(&at))
+                        .is_some_and(|at| self.cell.is_target_free(job, &at))
             });
             if free {
                 self.withdraw(job.id, "the place is free");
@@ -399,6 +399,8 @@ impl Work<'_> {
         let done = |work: &mut Self| work.step_to(job, step, StepState::Succeeded, "");
         match found.plan.phase {
             Phase::Call => match session {
+                // It would refuse: it is still on its way out with the order before. The timer ends this wait.
+                Some(s) if s.order.is_none() && self.works_on_another(&s) => {}
                 Some(s) if s.order.is_none() => self.send_order(&s),
                 Some(s) if s.assigned => done(self),
                 Some(_) | None => {}

@@ -29,9 +29,12 @@ impl Work<'_> {
             update,
         });
         let point = self.cell.setup.point(&session.point).cloned();
-        let then_to = self
-            .job(session.job)
-            .and_then(|j| j.spec.destination.clone());
+        let job = self.job(session.job);
+        let then_to = job.as_ref().and_then(|j| j.spec.destination.clone());
+        // What it brings is for the arm; it takes to the destination what the arm puts on it, and nothing else.
+        let unload = job
+            .filter(|_| then_to.is_some())
+            .map(|j| j.items.iter().map(Item::in_slot).collect());
         self.tell(
             session,
             Message::TransportOrder {
@@ -41,8 +44,16 @@ impl Work<'_> {
                 dock: point.as_ref().map(|p| p.dock),
                 route: point.map(|p| p.route).unwrap_or_default(),
                 then_to,
+                unload,
             },
         );
+    }
+
+    /// Whether the mobile robot says that an earlier order is not over.
+    pub(crate) fn works_on_another(&self, session: &Session) -> bool {
+        self.cell
+            .mobile_seen(&session.mobile_robot)
+            .is_some_and(|seen| seen.order.is_some() && seen.order != session.order)
     }
 
     /// A7, B8: everything the arm needs to enter.
@@ -92,6 +103,7 @@ impl Work<'_> {
                     dock: None,
                     route: Vec::new(),
                     then_to: None,
+                    unload: Some(self.cell.to_unload(job, &session.mobile_robot)),
                 },
             );
             self.emit(Fact::TransportBegun {
@@ -99,6 +111,8 @@ impl Work<'_> {
                 job: job.id,
                 order,
                 destination: destination.clone(),
+                session: Some(session.id),
+                update,
             });
         }
     }
@@ -351,7 +365,7 @@ impl Work<'_> {
             self.tell(session, Message::Retry);
             return;
         }
-        self.tell(session, Message::SkipRetry);
+        // It stands before the dock and waits (VDA 5050: RETRIABLE): the answer says whether it tries again or gives up.
         let measured = session.docked;
         let mut answers = vec![Answer::Retry, Answer::Redispatch, Answer::Cancel];
         if measured.is_some() {
@@ -379,6 +393,21 @@ impl Work<'_> {
                 ..Reaction::default()
             },
         );
+    }
+
+    /// F3, given up: it drives out, and comes again with a new order when it is clear. False if it is not at the dock.
+    pub(crate) fn back_out(&mut self, job: &Job) -> bool {
+        let Some(session) = self.cell.session_of(job).cloned() else {
+            return false;
+        };
+        if session.state != SessionState::Positioned {
+            return false;
+        }
+        self.emit(Fact::SessionBacksOut {
+            session: session.id,
+        });
+        self.tell(&session, Message::SkipRetry);
+        true
     }
 
     /// F6: an alternate place, or the job stops before anything moved.
@@ -501,7 +530,7 @@ impl Work<'_> {
         else {
             return false;
         };
-        if self.cell.is_free(&at) {
+        if self.cell.is_target_free(job, &at) {
             return false;
         }
         let asked = self.cell.book.question_of(job.id);

@@ -824,10 +824,14 @@ impl World {
             Message::Retry => m.plan.push_back((now + 500, Do::Dock)),
             Message::StartPause => (m.paused, m.state.driving) = (true, false),
             Message::StopPause => m.paused = false,
+            Message::SkipRetry => {
+                m.plan.clear();
+                m.plan.push_back((now + 300, Do::Leave));
+            }
             Message::CellReady
             | Message::TransferDone
             | Message::TransferFailed { .. }
-            | Message::SkipRetry => {}
+            | Message::StateRequest => {}
         }
     }
 
@@ -873,6 +877,7 @@ impl World {
             boot: m.boot,
             seq: m.seq,
             kind,
+            resync: false,
             state: m.state.clone(),
         });
     }
@@ -1036,7 +1041,8 @@ impl World {
             }
             self.answers.push((kind, answer.clone()));
             let m = self.mobiles.get_mut(id).unwrap();
-            let again = matches!(&answer, SignalAnswer::Conflict { expected, .. } if expected.starts_with("boot"));
+            let again = matches!(&answer, SignalAnswer::Conflict { expected, .. } if expected.starts_with("boot"))
+                || matches!(&answer, SignalAnswer::Gap { .. });
             if !again && m.boot == boot {
                 m.sending.retain(|s| s.seq != seq);
                 m.next_send = self.now + 20;

@@ -1,5 +1,6 @@
 //! A cell with the demo's set-up, an arm that does at once what it is told, and a mobile robot that a test speaks for.
 
+mod full_disk;
 mod hand_over;
 mod push;
 
@@ -17,6 +18,7 @@ use workflow::{
 };
 
 use super::arm::{ArmPort, Later, Operation};
+use super::handle::Refused;
 use super::{CellHandle, Outboxes, testing};
 use crate::config::{CellSection, Plan, RobotSection, ServerSection, SetupSource};
 use crate::journal::SharedJournal;
@@ -144,16 +146,20 @@ impl World {
 
     /// Takes load-2 from rack/a to the warehouse.
     async fn pickup(&self) -> Uuid {
+        match self.ask_for_pickup().await {
+            Ok(Reply::Created(id)) => id,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    async fn ask_for_pickup(&self) -> Result<Reply, Refused> {
         let job: NewJob = serde_json::from_value(serde_json::json!({
             "workflow": "pickup-and-delivery", "point": "handover/front", "mobile_robot": "mr1",
             "items": [{"load_id": "load-2", "type": "crate", "mr_slot": "right", "place": "rack/a"}],
             "destination": "warehouse/gate", "complete_on": "DELIVERED",
         }))
         .unwrap();
-        match self.work.ask(Input::CreateJob { job: Box::new(job) }).await {
-            Ok(Reply::Created(id)) => id,
-            other => panic!("{other:?}"),
-        }
+        self.work.ask(Input::CreateJob { job: Box::new(job) }).await
     }
 
     fn signal(&mut self, kind: SignalKind, session: Option<Uuid>) -> Signal {
@@ -164,6 +170,7 @@ impl World {
             boot: 1,
             seq: self.seq,
             kind,
+            resync: false,
             state: self.state.clone(),
         }
     }

@@ -1,18 +1,21 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use protocol::v2::{ErrorCode, Reply, Request};
-use tokio::sync::mpsc;
+use protocol::WireMove;
+use protocol::v2::{Command, ErrorCode, Reply, Request, Verb, WirePose};
+use tokio::io::AsyncRead;
+use tokio::sync::{mpsc, watch};
 use tokio::time::Instant;
 use tokio_util::sync::CancellationToken;
 
 use super::error::{LinkError, ReadError, chain};
-use super::exchange::{Written, check_greeting, greet, send};
+use super::exchange::{Written, check_greeting, connect, greet, send, write_once};
 use super::follow::Follower;
 use super::handle::{Shared, at};
 use super::judge::Open;
-use super::order::{MotionEnd, MotionObserver, MotionOrder, Rejection};
+use super::order::{Instruction, MotionEnd, MotionObserver, MotionOrder, Rejection};
 use super::readiness::{self, NotReady};
+use super::seed_wire::{self, SeedStream};
 use super::status_task::Wanted;
 use super::stream::LineStream;
 use super::view::{InFlight, Phase};
@@ -35,10 +38,12 @@ pub(super) struct CommandTask<C, O> {
     pub(super) connector: Arc<C>,
     pub(super) observer: Arc<O>,
     pub(super) stop: CancellationToken,
+    /// The epoch in which the seed's pose server was fenced.
+    pub(super) seed_fenced: Option<u32>,
 }
 
 impl<C: Connector, O: MotionObserver> CommandTask<C, O> {
-    pub(super) async fn run(self, mut orders: mpsc::Receiver<Queued>) {
+    pub(super) async fn run(mut self, mut orders: mpsc::Receiver<Queued>) {
         loop {
             let queued = tokio::select! {
                 biased;
@@ -56,7 +61,7 @@ impl<C: Connector, O: MotionObserver> CommandTask<C, O> {
         }
     }
 
-    async fn carry_out(&self, queued: Queued) {
+    async fn carry_out(&mut self, queued: Queued) {
         let order = &queued.order;
         if let Err(error) = self.may_send(&queued) {
             self.end(order, MotionEnd::NotSent { error }).await;
@@ -71,9 +76,13 @@ impl<C: Connector, O: MotionObserver> CommandTask<C, O> {
             });
         });
         self.observer.dispatched(order.motion).await;
-        let end = match self.send_once(&queued).await {
+        let sent = match &order.command {
+            Instruction::Numbered(command) => self.send_numbered(&queued, *command).await,
+            Instruction::Seed(target) => self.send_seed(&queued, target).await,
+        };
+        let end = match sent {
             Err(error) => Some(MotionEnd::NotSent { error }),
-            Ok(sent) => self.follow(order, sent).await,
+            Ok(sent) => self.follow(&queued, sent).await,
         };
         let end = end.map(|end| self.unless_late(&queued, end));
         self.shared.view.send_modify(|view| view.in_flight = None);
@@ -123,7 +132,8 @@ impl<C: Connector, O: MotionObserver> CommandTask<C, O> {
         }
         let view = self.shared.view.borrow();
         let (Some(observed), true) = (view.status, view.is_connected()) else {
-            return Err(LinkError::NotReady(NotReady::Disconnected));
+            let reason = view.not_ready.unwrap_or(NotReady::Disconnected);
+            return Err(LinkError::NotReady(reason));
         };
         if let Some(used_up @ NotReady::GenerationsUsedUp { .. }) = view.not_ready {
             return Err(LinkError::NotReady(used_up));
@@ -136,41 +146,41 @@ impl<C: Connector, O: MotionObserver> CommandTask<C, O> {
         }
         let frames = self.shared.plan.frame_numbers;
         // Nothing of this link is moving yet.
-        match readiness::check(&observed.line, order.wire_epoch, frames, false) {
+        let against = readiness::check(&observed.line, order.wire_epoch, frames, false);
+        match against.or_else(|| self.shared.plan.implausible(&observed.line)) {
             Some(reason) => Err(LinkError::NotReady(reason)),
             None => Ok(observed.line.boot),
         }
     }
 
-    /// Connects, is greeted, checks again and writes.
-    async fn send_once(&self, queued: &Queued) -> Result<Sent<C::Stream>, LinkError> {
+    /// Connects, checks again and writes, in the seed's words.
+    async fn send_seed(
+        &mut self,
+        queued: &Queued,
+        target: &WireMove,
+    ) -> Result<Sent<C::Stream>, LinkError> {
         let order = &queued.order;
-        let plan = &self.shared.plan;
         let started = Instant::now();
-        let mut stops = self.shared.stops.subscribe();
-        let (mut lines, greeting) = tokio::select! {
-            biased;
-            () = self.stop.cancelled() => return Err(LinkError::Stopping),
-            _ = stops.wait_for(|stops| *stops != queued.stops) => {
-                return Err(LinkError::StoppedBeforeSent);
-            }
-            greeted = greet(&*self.connector, plan, order) => greeted?,
-        };
+        if self.seed_fenced != Some(order.wire_epoch) {
+            // An earlier connection of this server, or an earlier server, may have left something unread.
+            let fenced = self.unless_stopped(queued, self.fence_seed(order)).await?;
+            fenced.map_err(LinkError::SeedFence)?;
+            self.seed_fenced = Some(order.wire_epoch);
+        }
+        let plan = &self.shared.plan;
+        let connecting = connect(&*self.connector, plan, order.not_after);
+        let mut stream = self.unless_stopped(queued, connecting).await??;
         plan.metrics.connected(started.elapsed());
-        // From here to the write nothing waits. A stop that comes later kills the nonce.
+        self.connector.before_send(&stream, &order.request_id);
+        // From here to the write nothing waits.
         let boot = self.may_send(queued)?;
-        check_greeting(&greeting, order, boot)?;
-        let request = Request {
-            number: order.number(),
-            nonce: greeting.nonce,
-            command: order.command,
-        };
+        let start = self.shared.view.borrow().status.map(|seen| seen.line.pose);
         let written_at = Instant::now();
         let limit = order.not_after.min(written_at + plan.reply_timeout);
-        let written = send(&mut lines, &request, limit).await?;
+        let written = write_once(&mut stream, &target.encode(), limit).await;
         Ok(Sent {
-            lines: match written {
-                Written::Whole => Some(lines),
+            channel: match written.map_err(LinkError::WriteNothing)? {
+                Written::Whole => Some(Channel::Seed(SeedStream::new(stream))),
                 Written::Part(error) => {
                     self.channel_lost(order, &error);
                     None
@@ -178,18 +188,88 @@ impl<C: Connector, O: MotionObserver> CommandTask<C, O> {
             },
             boot,
             written_at,
+            start,
+        })
+    }
+
+    /// What comes before the server stops and before a stop.
+    async fn unless_stopped<T>(
+        &self,
+        queued: &Queued,
+        future: impl Future<Output = T>,
+    ) -> Result<T, LinkError> {
+        let mut stops = self.shared.stops.subscribe();
+        tokio::select! {
+            biased;
+            () = self.stop.cancelled() => Err(LinkError::Stopping),
+            () = stop_after(&mut stops, queued.stops) => Err(LinkError::StoppedBeforeSent),
+            done = future => Ok(done),
+        }
+    }
+
+    /// Shows that the seed's pose server has read everything that was sent before.
+    async fn fence_seed(&self, order: &MotionOrder) -> Result<(), ReadError> {
+        let plan = &self.shared.plan;
+        let limit = Instant::now() + plan.connect_timeout;
+        let stream = match connect(&*self.connector, plan, limit).await {
+            Ok(stream) => stream,
+            Err(error) => {
+                tracing::debug!(robot.id = plan.robot, error = error.chain(), "not fenced");
+                return Err(ReadError::Closed);
+            }
+        };
+        self.connector.before_send(&stream, &order.request_id);
+        seed_wire::fence(stream, plan.reply_timeout).await
+    }
+
+    /// Connects, is greeted, checks again and writes.
+    async fn send_numbered(
+        &self,
+        queued: &Queued,
+        command: Command,
+    ) -> Result<Sent<C::Stream>, LinkError> {
+        let order = &queued.order;
+        let plan = &self.shared.plan;
+        let started = Instant::now();
+        let greeted = greet(&*self.connector, plan, order);
+        let (mut lines, greeting) = self.unless_stopped(queued, greeted).await??;
+        plan.metrics.connected(started.elapsed());
+        // From here to the write nothing waits. A stop that comes later kills the nonce.
+        let boot = self.may_send(queued)?;
+        check_greeting(&greeting, order, boot)?;
+        let request = Request {
+            number: order.number(),
+            nonce: greeting.nonce,
+            command,
+        };
+        let written_at = Instant::now();
+        let limit = order.not_after.min(written_at + plan.reply_timeout);
+        let written = send(&mut lines, &request, limit).await?;
+        Ok(Sent {
+            channel: match written {
+                Written::Whole => Some(Channel::Numbered(lines)),
+                Written::Part(error) => {
+                    self.channel_lost(order, &error);
+                    None
+                }
+            },
+            boot,
+            written_at,
+            start: None,
         })
     }
 
     /// Follows a command that was written to its end. `None`: the server stops first.
-    async fn follow(&self, order: &MotionOrder, sent: Sent<C::Stream>) -> Option<MotionEnd> {
+    async fn follow(&self, queued: &Queued, sent: Sent<C::Stream>) -> Option<MotionEnd> {
         let plan = &self.shared.plan;
+        let order = &queued.order;
         let Sent {
-            mut lines,
+            mut channel,
             boot,
             written_at,
+            start,
         } = sent;
-        let mut follower = Follower::new(
+        let mut follower = Follower::sent(
             plan,
             Open {
                 number: order.number(),
@@ -197,7 +277,11 @@ impl<C: Connector, O: MotionObserver> CommandTask<C, O> {
                 accepted: false,
                 command: order.command,
             },
+            start,
         );
+        let is_seed = matches!(order.command, Instruction::Seed(_));
+        let mut stops = self.shared.stops.subscribe();
+        let mut stopped = false;
         let mut view = self.shared.view.subscribe();
         let mut silent_at = Some(written_at + plan.reply_timeout);
         let mut parting = None;
@@ -210,19 +294,19 @@ impl<C: Connector, O: MotionObserver> CommandTask<C, O> {
                 self.phase(order, Phase::Executing);
                 self.observer.executing(order.motion).await;
             }
-            if look.end.is_some() {
-                return look.end;
+            if let Some(end) = look.end {
+                return Some(self.shared.concluded(end, is_seed).await);
             }
             if follower.is_accepted() {
                 silent_at = None;
-            } else if lines.is_none() && silent_at.take().is_some() {
+            } else if channel.is_none() && silent_at.take().is_some() {
                 // Whether it was taken is not known, and it must not be taken from now on.
-                self.fence(order).await;
+                self.shut_out(order, &mut follower, stopped).await;
                 continue;
             }
             let read = async {
-                match lines.as_mut() {
-                    Some(lines) => lines.next(Reply::decode).await,
+                match channel.as_mut() {
+                    Some(channel) => channel.next().await,
                     None => std::future::pending().await,
                 }
             };
@@ -231,29 +315,62 @@ impl<C: Connector, O: MotionObserver> CommandTask<C, O> {
                 reply = read => match reply {
                     Err(error) => {
                         self.channel_lost(order, &error);
-                        lines = None;
+                        channel = None;
                     }
-                    Ok(reply) => match self.answer(order, &mut follower, reply) {
+                    Ok(Said::Seed(reply)) => {
+                        channel = None;
+                        if reply != protocol::Reply::Accepted {
+                            let (code, text) = (Rejection::Seed(reply), reply.text().to_owned());
+                            return Some(MotionEnd::Rejected { code, text });
+                        }
+                        let _news = follower.acknowledged();
+                        self.accepted(order, written_at).await;
+                        self.shared.nudge.notify_one();
+                    }
+                    Ok(Said::Numbered(reply)) => match self.answer(order, &mut follower, reply) {
                         Answer::Accepted => self.accepted(order, written_at).await,
                         Answer::Known => {}
                         Answer::Done => {
-                            lines = None;
+                            channel = None;
                             self.shared.nudge.notify_one();
                         }
                         Answer::End(end) => return Some(end),
-                        Answer::Senseless => lines = None,
+                        Answer::Senseless => channel = None,
                     },
                 },
                 _changed = view.changed() => {}
                 () = at(follower.deadline()) => {}
                 () = at(silent_at) => {
                     // No answer that tells: what comes on this connection from now on comes too late.
-                    lines = None;
+                    channel = None;
+                }
+                () = stop_after(&mut stops, queued.stops), if is_seed && !stopped => {
+                    // The stop ended the pose server, which may have had the command still to read: once it has read
+                    // everything, it is ended again.
+                    stopped = true;
+                    channel = None;
+                    if follower.is_accepted() {
+                        follower.stopped(self.halt(order).await);
+                    }
                 }
                 () = self.stop.cancelled(), if parting.is_none() => {
                     parting = Some(Instant::now() + PARTING);
                 }
                 () = at(parting) => return None,
+            }
+        }
+    }
+
+    /// Sees to it that a command nobody has answered is not taken from now on.
+    async fn shut_out(&self, order: &MotionOrder, follower: &mut Follower<'_>, stopped: bool) {
+        match order.command {
+            Instruction::Numbered(_) => self.fence(order).await,
+            Instruction::Seed(_) => {
+                let fenced = self.fence_seed(order).await;
+                follower.unanswered(fenced.is_ok());
+                if stopped {
+                    follower.stopped(self.halt(order).await);
+                }
             }
         }
     }
@@ -330,6 +447,20 @@ impl<C: Connector, O: MotionObserver> CommandTask<C, O> {
         });
     }
 
+    /// Has the controller end what it moves; whether it has said so.
+    async fn halt(&self, order: &MotionOrder) -> bool {
+        let halted = self.shared.ask(Wanted::Verb(Verb::Stop)).await;
+        if let Err(error) = &halted {
+            tracing::warn!(
+                robot.id = self.shared.plan.robot,
+                motion = %order.motion,
+                error = error.chain(),
+                "the controller has not confirmed the stop yet"
+            );
+        }
+        halted.is_ok()
+    }
+
     async fn fence(&self, order: &MotionOrder) {
         // Where the status port is down, its next connection fences.
         if let Err(error) = self.shared.ask(Wanted::Fence).await {
@@ -366,12 +497,41 @@ impl<C: Connector, O: MotionObserver> CommandTask<C, O> {
     }
 }
 
+/// Waits until more stops were asked for than `before`.
+async fn stop_after(stops: &mut watch::Receiver<u64>, before: u64) {
+    // The sender lives as long as the task that waits.
+    let _ = stops.wait_for(|stops| *stops != before).await;
+}
+
 /// A command that was written, or of which some bytes were.
 struct Sent<S> {
     /// The connection it was written on, while it may answer.
-    lines: Option<LineStream<S>>,
+    channel: Option<Channel<S>>,
     boot: u32,
     written_at: Instant,
+    /// Where the arm stood, for a controller that keeps no numbers.
+    start: Option<WirePose>,
+}
+
+/// A connection of the command port, by the program that listens there.
+enum Channel<S> {
+    Numbered(LineStream<S>),
+    Seed(SeedStream<S>),
+}
+
+/// What the controller said on it.
+enum Said {
+    Numbered(Reply),
+    Seed(protocol::Reply),
+}
+
+impl<S: AsyncRead + Unpin> Channel<S> {
+    async fn next(&mut self) -> Result<Said, ReadError> {
+        match self {
+            Self::Numbered(lines) => lines.next(Reply::decode).await.map(Said::Numbered),
+            Self::Seed(stream) => stream.next().await.map(Said::Seed),
+        }
+    }
 }
 
 enum Answer {

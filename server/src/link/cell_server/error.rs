@@ -49,6 +49,8 @@ pub(crate) enum LinkError {
         number: MotionNumber,
         accepted: MotionNumber,
     },
+    #[error("what was sent before could not be shown to have been read")]
+    SeedFence(#[source] ReadError),
     #[error("writing the command failed before its first byte")]
     WriteNothing(#[source] io::Error),
     #[error("the controller did not take it: behind a fence its last command is {accepted}")]
@@ -88,6 +90,19 @@ pub(crate) enum LinkError {
     },
     #[error("the motion was accepted, and the arm stands still without its having finished")]
     Unfinished,
+    #[error("the controller said that it moves, and the arm has not begun to")]
+    NotBegun,
+    #[error(
+        "no answer tells whether the controller took the motion; {}, the arm stands {}",
+        fence_text(*.fenced),
+        place_text(*.at_start)
+    )]
+    Unanswered {
+        /// Whether the controller has since read everything that was sent before.
+        fenced: bool,
+        /// Whether the arm stands where it stood when the motion was sent; absent where that is not known.
+        at_start: Option<bool>,
+    },
     #[error(
         "the controller says arrived, {apart_mm:.3} mm and {apart_deg:.3} degrees from the target"
     )]
@@ -112,6 +127,8 @@ pub(crate) enum ReadError {
     Closed,
     #[error("a line is too long")]
     TooLong,
+    #[error("the reply \"{text}\" is none of the protocol's")]
+    UnknownReply { text: String },
     #[error("the line \"{text}\" is not understood")]
     Line {
         text: String,
@@ -122,6 +139,22 @@ pub(crate) enum ReadError {
 
 fn shown(epoch: Option<&u32>) -> String {
     epoch.map_or_else(|| "none yet".to_owned(), u32::to_string)
+}
+
+fn fence_text(fenced: bool) -> &'static str {
+    if fenced {
+        "it has read all that was sent, and"
+    } else {
+        "it may still have it to read, and"
+    }
+}
+
+fn place_text(at_start: Option<bool>) -> &'static str {
+    match at_start {
+        Some(true) => "where it stood before",
+        Some(false) => "neither where it stood before nor at the target",
+        None => "elsewhere than at the target",
+    }
 }
 
 fn effect_text(effect: StopEffect) -> &'static str {
@@ -155,7 +188,7 @@ impl LinkError {
             | Self::NoGreeting { .. }
             | Self::ReadGreeting { .. }
             | Self::StatusDown { .. } => "not_connected",
-            Self::WriteNothing(_) => "not_written",
+            Self::WriteNothing(_) | Self::SeedFence(_) => "not_written",
             Self::Stopping => "stopping",
             Self::StoppedBeforeSent | Self::TakenBack => "stopped",
             Self::WrongEpoch { .. }
@@ -172,6 +205,8 @@ impl LinkError {
             | Self::Restarted { .. }
             | Self::Forgotten { .. }
             | Self::Unfinished
+            | Self::NotBegun
+            | Self::Unanswered { .. }
             | Self::PoseMismatch { .. }
             | Self::OutputMismatch { .. }
             | Self::Overtaken { .. }
@@ -196,6 +231,7 @@ impl LinkError {
             | Self::RestartedBefore { .. }
             | Self::NumberUsed { .. }
             | Self::WriteNothing(_)
+            | Self::SeedFence(_)
             | Self::NotTaken { .. }
             | Self::StatusDown { .. }
             | Self::Busy
@@ -207,6 +243,8 @@ impl LinkError {
             | Self::Restarted { .. }
             | Self::Forgotten { .. }
             | Self::Unfinished
+            | Self::NotBegun
+            | Self::Unanswered { .. }
             | Self::PoseMismatch { .. }
             | Self::OutputMismatch { .. }
             | Self::Overtaken { .. }
@@ -228,7 +266,7 @@ impl LinkError {
             | Self::WriteNothing(_)
             | Self::StatusDown { .. } => ProblemCode::ControllerDisconnected,
             Self::NotReady(_) | Self::GenerationsUsedUp { .. } => ProblemCode::ControllerNotReady,
-            Self::ReadGreeting { .. } | Self::NotUnderstood { .. } => {
+            Self::ReadGreeting { .. } | Self::SeedFence(_) | Self::NotUnderstood { .. } => {
                 ProblemCode::ControllerProtocol
             }
             Self::Busy => ProblemCode::ControllerBusy,
@@ -236,9 +274,11 @@ impl LinkError {
             Self::RestartedBefore { .. } | Self::Restarted { .. } | Self::Forgotten { .. } => {
                 ProblemCode::ControllerRestarted
             }
-            Self::Unconfirmed { .. } | Self::Lost { .. } => ProblemCode::ControllerTimeout,
+            Self::Unconfirmed { .. } | Self::Lost { .. } | Self::Unanswered { .. } => {
+                ProblemCode::ControllerTimeout
+            }
             Self::StopUnconfirmed { .. } => ProblemCode::StopUnconfirmed,
-            Self::Unfinished => ProblemCode::MotionUnfinished,
+            Self::Unfinished | Self::NotBegun => ProblemCode::MotionUnfinished,
             Self::PoseMismatch { .. } | Self::OutputMismatch { .. } => ProblemCode::PoseMismatch,
             Self::Overtaken { .. } | Self::Duplicate { .. } => ProblemCode::MotionOvertaken,
         }

@@ -10,7 +10,7 @@ use tokio::time::{Instant, sleep, timeout_at};
 use super::error::{LinkError, ReadError};
 use super::order::MotionOrder;
 use super::plan::CellServerPlan;
-use super::readiness::NotReady;
+use super::readiness::{Identity, NotReady};
 use super::stream::LineStream;
 use crate::link::Connector;
 
@@ -41,7 +41,7 @@ pub(super) async fn greet<C: Connector>(
     }
 }
 
-async fn connect<C: Connector>(
+pub(super) async fn connect<C: Connector>(
     connector: &C,
     plan: &CellServerPlan,
     not_after: Instant,
@@ -90,6 +90,19 @@ pub(super) fn check_greeting(
             ours: order.wire_epoch,
         }));
     }
+    if greeting.epoch_max < order.wire_epoch {
+        // The controller behind the status port was fenced with it: this is another one.
+        return Err(LinkError::NotReady(NotReady::OtherController {
+            is: Identity {
+                boot: greeting.boot,
+                epoch_max: greeting.epoch_max,
+            },
+            was: Identity {
+                boot,
+                epoch_max: order.wire_epoch,
+            },
+        }));
+    }
     if greeting.accepted >= order.number() {
         return Err(LinkError::NumberUsed {
             number: order.number(),
@@ -117,17 +130,29 @@ pub(super) async fn send<S: AsyncWrite + Unpin>(
     request: &Request,
     limit: Instant,
 ) -> Result<Written, LinkError> {
-    let line = request.encode();
+    let written = write_once(&mut lines.stream, &request.encode(), limit).await;
+    written.map_err(LinkError::WriteNothing)
+}
+
+/// Writes a whole command.
+///
+/// # Errors
+/// Not one byte of it was handed over.
+pub(super) async fn write_once<S: AsyncWrite + Unpin>(
+    stream: &mut S,
+    line: &[u8],
+    limit: Instant,
+) -> Result<Written, io::Error> {
     let mut written = 0;
     while let Some(rest) = line.get(written..).filter(|rest| !rest.is_empty()) {
-        let result = match timeout_at(limit, lines.stream.write(rest)).await {
+        let result = match timeout_at(limit, stream.write(rest)).await {
             Ok(Ok(0)) => Err(io::ErrorKind::WriteZero.into()),
             Ok(result) => result,
             Err(elapsed) => Err(elapsed.into()),
         };
         match result {
             Ok(count) => written += count,
-            Err(source) if written == 0 => return Err(LinkError::WriteNothing(source)),
+            Err(source) if written == 0 => return Err(source),
             Err(source) => return Ok(Written::Part(ReadError::Io(source))),
         }
     }

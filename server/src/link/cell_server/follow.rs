@@ -2,14 +2,15 @@
 
 use std::time::Duration;
 
-use protocol::v2::StatusLine;
+use protocol::v2::{FinishStatus, StatusLine, WirePose};
 use tokio::time::Instant;
 use units::{Degrees, Millimeters};
 
 use super::error::LinkError;
-use super::judge::{Finding, Open, Verdict, joints_apart, judge, poses_apart};
-use super::order::MotionEnd;
+use super::judge::{Conclusion, Finding, Open, Verdict, joints_apart, judge, poses_apart};
+use super::order::{Instruction, MotionEnd};
 use super::plan::{CellServerPlan, GIVE_UP};
+use super::seed_judge::{self, Answered, Known};
 use super::view::{ControllerView, Observed};
 
 /// The least time between two status lines that are to be of the same standstill, by the server's clock.
@@ -29,6 +30,11 @@ pub(super) struct Follower<'a> {
     /// The status line judged last.
     seen: u64,
     executing: bool,
+    /// For the seed's pose server: what is known of the command port, and since when.
+    answered: Answered,
+    answered_at: Instant,
+    start: Option<WirePose>,
+    stopped: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -57,7 +63,41 @@ impl<'a> Follower<'a> {
             lost_since: None,
             seen: 0,
             executing: false,
+            answered: if open.accepted {
+                Answered::Taken
+            } else {
+                Answered::Never { fenced: false }
+            },
+            answered_at: Instant::now(),
+            start: None,
+            stopped: false,
         }
+    }
+
+    /// A command that was just sent, from `start`: an answer may come.
+    pub(super) fn sent(plan: &'a CellServerPlan, open: Open, start: Option<WirePose>) -> Self {
+        Self {
+            answered: Answered::NotYet,
+            start,
+            ..Self::new(plan, open)
+        }
+    }
+
+    /// No answer tells, and none will.
+    pub(super) fn unanswered(&mut self, fenced: bool) {
+        self.know(Answered::Never { fenced });
+    }
+
+    /// A stop was asked for and, where `confirmed`, the controller has ended what it had.
+    pub(super) fn stopped(&mut self, confirmed: bool) {
+        self.stopped = confirmed;
+        self.know(self.answered);
+    }
+
+    fn know(&mut self, answered: Answered) {
+        self.answered = answered;
+        self.answered_at = Instant::now();
+        self.settling = None;
     }
 
     pub(super) fn is_accepted(&self) -> bool {
@@ -66,7 +106,11 @@ impl<'a> Follower<'a> {
 
     /// The controller said so on the command port. Says whether that is news.
     pub(super) fn acknowledged(&mut self) -> bool {
-        !std::mem::replace(&mut self.open.accepted, true)
+        let news = !std::mem::replace(&mut self.open.accepted, true);
+        if news {
+            self.know(Answered::Taken);
+        }
+        news
     }
 
     /// When to look again although nothing was published.
@@ -97,12 +141,18 @@ impl<'a> Follower<'a> {
         }
         self.seen = observed.count;
         let status = observed.line;
-        if status.accepted == self.open.number {
-            look.accepted = self.acknowledged();
-            if status.moving && status.finished < self.open.number && !self.executing {
-                self.executing = true;
-                look.executing = true;
+        let begun = match self.open.command {
+            Instruction::Numbered(_) if status.accepted == self.open.number => {
+                look.accepted = self.acknowledged();
+                status.finished < self.open.number
             }
+            Instruction::Numbered(_) => false,
+            Instruction::Seed(_) if observed.asked_at < self.answered_at => return look,
+            Instruction::Seed(_) => self.answered != Answered::NotYet,
+        };
+        if begun && status.moving && !self.executing {
+            self.executing = true;
+            look.executing = true;
         }
         look.end = self.end(&observed);
         look
@@ -110,7 +160,19 @@ impl<'a> Follower<'a> {
 
     fn end(&mut self, observed: &Observed) -> Option<MotionEnd> {
         let status = observed.line;
-        let verdict = judge(&status, &self.open, self.plan.tolerance);
+        let tolerance = self.plan.tolerance;
+        let verdict = match &self.open.command {
+            Instruction::Numbered(_) => judge(&status, &self.open, tolerance),
+            Instruction::Seed(target) => {
+                let known = Known {
+                    answered: self.answered,
+                    start: self.start,
+                    moved: self.executing,
+                    stopped: self.stopped,
+                };
+                seed_judge::judge(&status, &self.open, target, known, tolerance)
+            }
+        };
         let finding = match verdict {
             Verdict::Unless(finding) => finding,
             Verdict::Wait => {
@@ -148,21 +210,22 @@ impl<'a> Follower<'a> {
             | Finding::PoseMismatch { .. }
             | Finding::OutputMismatch { .. }
             | Finding::Restarted { .. }
-            | Finding::Overtaken { .. } => self.plan.settle(),
+            | Finding::Overtaken { .. }
+            | Finding::NotBegun
+            | Finding::Unanswered { .. } => self.plan.settle(),
+            Finding::Reached | Finding::Halted | Finding::Alarmed => Duration::ZERO,
         };
         scaled.max(APART.div_f64(self.plan.time_scale))
     }
 
     fn believed(&self, finding: Finding, status: StatusLine) -> MotionEnd {
-        let error = finding.into_error(self.open.number);
-        match finding {
-            Finding::NotTaken { .. } => MotionEnd::NotSent { error },
-            Finding::Forgotten { .. }
-            | Finding::Unfinished
-            | Finding::PoseMismatch { .. }
-            | Finding::OutputMismatch { .. }
-            | Finding::Restarted { .. }
-            | Finding::Overtaken { .. } => MotionEnd::InDoubt {
+        match finding.conclusion(self.open.number) {
+            Conclusion::Ended(FinishStatus::Arrived) => MotionEnd::Arrived { status },
+            Conclusion::Ended(fin_status) => MotionEnd::Interrupted { fin_status, status },
+            Conclusion::Doubt(error) if matches!(finding, Finding::NotTaken { .. }) => {
+                MotionEnd::NotSent { error }
+            }
+            Conclusion::Doubt(error) => MotionEnd::InDoubt {
                 error,
                 status: Some(status),
             },

@@ -3,7 +3,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use api::StopEffect;
-use protocol::v2::{Percent, StatusLine, Verb};
+use protocol::v2::{FinishStatus, Percent, StatusLine, Verb};
 use tokio::sync::{Notify, mpsc, oneshot, watch};
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
@@ -12,7 +12,7 @@ use super::command_task::{CommandTask, Queued};
 use super::error::LinkError;
 use super::follow::Follower;
 use super::judge::Open;
-use super::order::{MotionEnd, MotionObserver, MotionOrder};
+use super::order::{Instruction, MotionEnd, MotionObserver, MotionOrder};
 use super::plan::CellServerPlan;
 use super::status_task::{Ask, StatusTask, Wanted};
 use super::view::ControllerView;
@@ -111,6 +111,7 @@ pub(crate) fn spawn<C: Connector, O: MotionObserver>(
         connector,
         observer,
         stop,
+        seed_fenced: None,
     };
     drop(tracker.spawn(async move {
         let _ended = status_stop.drop_guard();
@@ -238,7 +239,8 @@ impl CellServerLink {
         loop {
             let look = follower.look(&watch.borrow_and_update());
             if let Some(end) = look.end {
-                return Ok(end);
+                let is_seed = matches!(open.command, Instruction::Seed(_));
+                return Ok(self.shared.concluded(end, is_seed).await);
             }
             let again = follower.deadline();
             tokio::select! {
@@ -282,6 +284,28 @@ impl Shared {
             mpsc::error::TrySendError::Closed(_) => LinkError::Stopping,
         })?;
         answered.await.unwrap_or(Err(LinkError::Stopping))
+    }
+
+    /// What an alarm has interrupted goes on when the alarm is reset, unless the program that moves is ended: the
+    /// cell server does that by itself, the seed's pose server has to be told.
+    pub(super) async fn concluded(&self, end: MotionEnd, is_seed: bool) -> MotionEnd {
+        let MotionEnd::Interrupted {
+            fin_status: FinishStatus::Alarm,
+            status,
+        } = end
+        else {
+            return end;
+        };
+        if !is_seed {
+            return end;
+        }
+        match self.ask(Wanted::Verb(Verb::Stop)).await {
+            Ok(_ended) => end,
+            Err(error) => MotionEnd::InDoubt {
+                error,
+                status: Some(status),
+            },
+        }
     }
 
     pub(super) fn status_down(&self) -> LinkError {

@@ -20,6 +20,7 @@ use protocol::v2::{Command, FinishStatus, MotionNumber, Move, StatusLine, WireJo
 use units::{Degrees, Millimeters};
 
 use super::error::LinkError;
+use super::order::Instruction;
 use crate::config::Tolerance;
 
 /// A command whose end is open.
@@ -30,7 +31,7 @@ pub(crate) struct Open {
     pub(crate) boot: Option<u32>,
     /// Whether the controller was seen to have accepted it.
     pub(crate) accepted: bool,
-    pub(crate) command: Command,
+    pub(crate) command: Instruction,
 }
 
 /// What a status line says of an open command.
@@ -51,13 +52,42 @@ pub(super) enum Verdict {
 /// What was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Finding {
-    NotTaken { accepted: MotionNumber },
-    Forgotten { accepted: MotionNumber },
+    NotTaken {
+        accepted: MotionNumber,
+    },
+    Forgotten {
+        accepted: MotionNumber,
+    },
     Unfinished,
-    PoseMismatch { apart_mm: f64, apart_deg: f64 },
-    OutputMismatch { output: u8 },
-    Restarted { was: u32, is: u32 },
-    Overtaken { accepted: MotionNumber },
+    PoseMismatch {
+        apart_mm: f64,
+        apart_deg: f64,
+    },
+    OutputMismatch {
+        output: u8,
+    },
+    Restarted {
+        was: u32,
+        is: u32,
+    },
+    Overtaken {
+        accepted: MotionNumber,
+    },
+    /// Of the seed's pose server, see [`super::seed_judge`].
+    Reached,
+    Halted,
+    Alarmed,
+    NotBegun,
+    Unanswered {
+        fenced: bool,
+        at_start: Option<bool>,
+    },
+}
+
+/// What a finding that is believed comes to.
+pub(super) enum Conclusion {
+    Ended(FinishStatus),
+    Doubt(LinkError),
 }
 
 impl Finding {
@@ -66,8 +96,13 @@ impl Finding {
         std::mem::discriminant(&self) == std::mem::discriminant(&other)
     }
 
-    pub(super) fn into_error(self, number: MotionNumber) -> LinkError {
-        match self {
+    pub(super) fn conclusion(self, number: MotionNumber) -> Conclusion {
+        Conclusion::Doubt(match self {
+            Self::Reached => return Conclusion::Ended(FinishStatus::Arrived),
+            Self::Halted => return Conclusion::Ended(FinishStatus::Stopped),
+            Self::Alarmed => return Conclusion::Ended(FinishStatus::Alarm),
+            Self::NotBegun => LinkError::NotBegun,
+            Self::Unanswered { fenced, at_start } => LinkError::Unanswered { fenced, at_start },
             Self::NotTaken { accepted } => LinkError::NotTaken { accepted },
             Self::Forgotten { accepted } => LinkError::Forgotten { number, accepted },
             Self::Unfinished => LinkError::Unfinished,
@@ -81,7 +116,7 @@ impl Finding {
             Self::OutputMismatch { output } => LinkError::OutputMismatch { output },
             Self::Restarted { was, is } => LinkError::Restarted { was, is },
             Self::Overtaken { accepted } => LinkError::Overtaken { number, accepted },
-        }
+        })
     }
 }
 
@@ -136,27 +171,37 @@ pub(super) fn judge(status: &StatusLine, open: &Open, tolerance: Tolerance) -> V
 /// What the thousandths of the wire leave in a difference of two of them.
 const ROUNDING: f64 = 1e-6;
 
-fn mismatch(status: &StatusLine, command: &Command, tolerance: Tolerance) -> Option<Finding> {
-    let (apart_mm, apart_deg) = match command {
-        Command::Output(output) => {
+fn mismatch(
+    status: &StatusLine,
+    instruction: &Instruction,
+    tolerance: Tolerance,
+) -> Option<Finding> {
+    let (apart_mm, apart_deg) = match instruction {
+        Instruction::Seed(target) => poses_apart(&status.pose, &WirePose::from(*target)),
+        Instruction::Numbered(Command::Output(output)) => {
             let number = output.output.get();
             return (status.output(number) != output.on)
                 .then_some(Finding::OutputMismatch { output: number });
         }
-        Command::Move(Move::Joint { pose, .. } | Move::Linear { pose, .. }) => {
-            poses_apart(&status.pose, pose)
-        }
-        Command::Move(Move::Joints { joints, .. }) => {
+        Instruction::Numbered(Command::Move(
+            Move::Joint { pose, .. } | Move::Linear { pose, .. },
+        )) => poses_apart(&status.pose, pose),
+        Instruction::Numbered(Command::Move(Move::Joints { joints, .. })) => {
             (Millimeters(0.0), joints_apart(&status.joints, joints))
         }
     };
-    // Written so that what cannot be compared is a mismatch.
-    let near = apart_mm <= tolerance.position + Millimeters(ROUNDING)
-        && apart_deg <= tolerance.rotation + Degrees(ROUNDING);
+    let near = is_near((apart_mm, apart_deg), tolerance);
     (!near).then_some(Finding::PoseMismatch {
         apart_mm: apart_mm.0,
         apart_deg: apart_deg.0,
     })
+}
+
+/// Whether what is so far apart counts as the same.
+pub(super) fn is_near((apart, turned): (Millimeters, Degrees), tolerance: Tolerance) -> bool {
+    // Written so that what cannot be compared is not near.
+    apart <= tolerance.position + Millimeters(ROUNDING)
+        && turned <= tolerance.rotation + Degrees(ROUNDING)
 }
 
 /// How far two poses are apart and turned against each other; infinitely, where one of them is none.

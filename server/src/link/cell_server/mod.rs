@@ -1,4 +1,6 @@
-//! The link to a tier-2 controller, which runs the `cell_server` program.
+//! The link to a controller that reports: tier 2, which runs the `cell_server` program, and tier 1, which runs the
+//! seed's pose server with a status program beside it. What differs is the command port ([`Instruction`]) and how an end
+//! is judged: by numbers ([`judge`]), or by where the arm is ([`seed_judge`]).
 //!
 //! Two tasks own the controller's two ports. The status task keeps one connection open: it polls five times a second,
 //! which is the heartbeat too, and a stop never waits behind anything on it. The command task sends one numbered
@@ -26,6 +28,8 @@ mod order;
 mod plan;
 mod readiness;
 mod report;
+mod seed_judge;
+mod seed_wire;
 mod status_task;
 mod stream;
 #[cfg(test)]
@@ -35,8 +39,9 @@ mod view;
 pub(crate) use error::LinkError;
 pub(crate) use handle::{CellServerLink, spawn};
 pub(crate) use judge::Open;
-pub(crate) use order::{MotionEnd, MotionObserver, MotionOrder};
-pub(crate) use plan::CellServerPlan;
-pub(crate) use view::ControllerView;
 #[cfg(test)]
-pub(crate) use {order::Rejection, readiness::NotReady, view::Phase};
+pub(crate) use order::Rejection;
+pub(crate) use order::{Instruction, MotionEnd, MotionObserver, MotionOrder};
+pub(crate) use plan::CellServerPlan;
+pub(crate) use readiness::NotReady;
+pub(crate) use view::{ControllerView, Phase};

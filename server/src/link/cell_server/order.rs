@@ -1,11 +1,28 @@
 use std::future::Future;
 
 use protocol::v2::{Command, ErrorCode, FinishStatus, MotionNumber, StatusLine};
+use protocol::{Reply, WireMove};
 use tokio::time::Instant;
 use uuid::Uuid;
 
 use super::error::LinkError;
 use crate::request_id::RequestId;
+
+/// What a controller is told, in the words of the program on its command port.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Instruction {
+    /// To the cell server: with a number, a nonce and a checksum.
+    Numbered(Command),
+    /// To the seed's pose server: eight numbers. Its number stays here and orders the journal; the wire has no room for
+    /// it.
+    Seed(WireMove),
+}
+
+impl From<Command> for Instruction {
+    fn from(command: Command) -> Self {
+        Self::Numbered(command)
+    }
+}
 
 /// A command whose intent is durable: it may be sent, once.
 #[derive(Clone, Debug)]
@@ -16,7 +33,7 @@ pub(crate) struct MotionOrder {
     pub(crate) wire_epoch: u32,
     /// Its number in that epoch, from 1, rising.
     pub(crate) seq: u32,
-    pub(crate) command: Command,
+    pub(crate) command: Instruction,
     /// Nothing is sent from here on.
     pub(crate) not_after: Instant,
     pub(crate) request_id: RequestId,
@@ -41,7 +58,7 @@ pub(crate) trait MotionObserver: Send + Sync + 'static {
     }
     /// From here on bytes may be on their way.
     fn dispatched(&self, motion: Uuid) -> impl Future<Output = ()> + Send;
-    /// The controller has stored the number.
+    /// The controller has stored the number; the seed's pose server has said that it moves.
     fn accepted(&self, motion: Uuid) -> impl Future<Output = ()> + Send;
     /// The arm was seen moving. A short motion may end without it.
     fn executing(&self, motion: Uuid) -> impl Future<Output = ()> + Send;
@@ -81,4 +98,6 @@ pub(crate) enum Rejection {
     Busy(MotionNumber),
     /// An error code.
     Error(ErrorCode),
+    /// A text of the seed's pose server.
+    Seed(Reply),
 }

@@ -1,8 +1,14 @@
 use std::time::Duration;
 
+use kinematics::{ArmModel, Frames};
+
 use crate::config::{FrameNumbers, RobotPlan, Tolerance};
 use crate::link::ControllerAddress;
 use crate::metrics::ControllerMetrics;
+
+use protocol::v2::StatusLine;
+
+use super::readiness::{NotReady, implausible};
 
 /// Between two polls while all is well: five a second.
 const POLL: Duration = Duration::from_millis(200);
@@ -37,7 +43,16 @@ pub(crate) struct CellServerPlan {
     /// Seconds of the controller's clock in a second. Intervals of its clock are divided by it; what the network
     /// needs is not.
     pub(crate) time_scale: f64,
+    /// What the controller's reports are checked against.
+    pub(crate) arm: Option<Arm>,
     pub(crate) metrics: ControllerMetrics,
+}
+
+/// The arm the controller is said to move.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Arm {
+    pub(crate) model: &'static ArmModel,
+    pub(crate) frames: Frames,
 }
 
 impl CellServerPlan {
@@ -54,8 +69,17 @@ impl CellServerPlan {
             tolerance: robot.tolerance,
             frame_numbers: robot.frame_numbers,
             time_scale: robot.time_scale,
+            arm: Some(Arm {
+                model: robot.model,
+                frames: robot.frames,
+            }),
             metrics,
         }
+    }
+
+    /// Why the arm, as it is reported, must not be moved.
+    pub(super) fn implausible(&self, status: &StatusLine) -> Option<NotReady> {
+        implausible(status, self.arm.as_ref()?)
     }
 
     pub(super) fn poll(&self) -> Duration {

@@ -1,8 +1,10 @@
 //! Whether a motion may be sent now, judged by the controller's last status line (C2 to C9).
 
+use kinematics::{Axis, PendantJoints, Pose, Xyzwpr};
 use protocol::v2::{OperatingMode, StatusLine};
 use thiserror::Error;
 
+use super::plan::Arm;
 use crate::config::FrameNumbers;
 
 /// Why no motion is sent now.
@@ -20,6 +22,24 @@ pub(crate) enum NotReady {
         "this start of the server has used up its {limit} link generations; a restart begins a new epoch"
     )]
     GenerationsUsedUp { limit: u32 },
+    #[error(
+        "another controller answers at this address, or this one has lost its memory: boot {} after {}, highest \
+         epoch {} after {}; a restart of the server takes it as it is",
+        is.boot, was.boot, is.epoch_max, was.epoch_max
+    )]
+    OtherController { is: Identity, was: Identity },
+    #[error(
+        "{axis} is said to be at {} degrees, beyond its limits: is the robot mastered?",
+        f64::from(*mdeg) / 1000.0
+    )]
+    ImplausibleJoint { axis: Axis, mdeg: i32 },
+    #[error(
+        "the pose the controller reports is {} mm and {} degrees from where its joints put the tool: the tool, the user \
+         frame or the arm model is another one than configured, or the robot is not mastered",
+        f64::from(*apart_um) / 1000.0,
+        f64::from(*turned_mdeg) / 1000.0
+    )]
+    ImplausiblePose { apart_um: u32, turned_mdeg: u32 },
     #[error("the teach pendant is enabled")]
     Pendant,
     #[error("the mode is {}, not AUTO", mode_name(*.0))]
@@ -38,6 +58,79 @@ pub(crate) enum NotReady {
     Tool { active: u8, expected: u8 },
     #[error("the arm moves, and not by a motion of this server")]
     MovedByOthers,
+}
+
+/// What tells one controller from another, and one that has its memory from one that has lost it: both only rise.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(crate) struct Identity {
+    pub(crate) boot: u32,
+    /// The highest epoch it was fenced with.
+    pub(crate) epoch_max: u32,
+}
+
+impl Identity {
+    pub(super) fn of(status: &StatusLine) -> Self {
+        Self {
+            boot: status.boot,
+            epoch_max: status.epoch_max,
+        }
+    }
+
+    /// Whether a controller that says `is` can be the one that was `self` before.
+    pub(super) fn check(self, is: Self) -> Result<(), NotReady> {
+        if is.boot < self.boot || is.epoch_max < self.epoch_max {
+            return Err(NotReady::OtherController { is, was: self });
+        }
+        Ok(())
+    }
+}
+
+/// How far a joint may be beyond its limit: pendants show it, and a brake lets an arm sink a little.
+const BEYOND_LIMIT_DEG: f64 = 1.0;
+/// How far the reported pose may be from that of the reported joints. A calibrated arm differs from its drawing by a
+/// few millimeters.
+const APART_MM: f64 = 10.0;
+const TURNED_DEG: f64 = 1.0;
+
+/// Whether what the controller says of the arm can be true (C13): joints within the model's limits, and the pose that
+/// follows from them.
+pub(super) fn implausible(status: &StatusLine, arm: &Arm) -> Option<NotReady> {
+    // While it moves, joints and pose may have been read one after the other.
+    if status.moving {
+        return None;
+    }
+    let joints = PendantJoints::from_degrees(status.joints.degrees().map(|joint| joint.0));
+    for axis in Axis::ALL {
+        let value = joints.of(axis);
+        let margin = arm.model.limits(axis).margin(value);
+        // Written so that what cannot be compared is implausible.
+        let within = margin.0 >= -BEYOND_LIMIT_DEG;
+        if !within {
+            return Some(NotReady::ImplausibleJoint {
+                axis,
+                mdeg: thousandths(value.0),
+            });
+        }
+    }
+    let ([x, y, z], [w, p, r]) = (status.pose.position(), status.pose.rotation());
+    let reported = Pose::try_from_xyzwpr(&Xyzwpr { x, y, z, w, p, r }).ok()?;
+    let follows = arm.frames.tcp_in_user_frame(&arm.model.forward(&joints));
+    let (apart, turned) = reported.distance_to(&follows);
+    let turned: units::Degrees = turned.into();
+    let near = apart.0 <= APART_MM && turned.0 <= TURNED_DEG;
+    (!near).then(|| NotReady::ImplausiblePose {
+        apart_um: thousandths(apart.0).unsigned_abs(),
+        turned_mdeg: thousandths(turned.0).unsigned_abs(),
+    })
+}
+
+fn thousandths(value: f64) -> i32 {
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "only shown; a number beyond the range is shown as its end"
+    )]
+    let rounded = (value * 1000.0).round() as i32;
+    rounded
 }
 
 /// `SRVO-050` is `11-050`: the wire has the facility's number, not its letters.

@@ -13,7 +13,7 @@ use super::backoff::Backoff;
 use super::error::{LinkError, ReadError, chain};
 use super::handle::Shared;
 use super::plan::{LATE, LOST};
-use super::readiness::{self, NotReady};
+use super::readiness::{self, Identity, NotReady};
 use super::stream::LineStream;
 use super::view::Observed;
 use crate::link::Connector;
@@ -52,6 +52,10 @@ pub(super) struct StatusTask<C> {
     exhausted: bool,
     backoff: Backoff,
     lines: u64,
+    /// The controller of the connection before: another one is not taken for it.
+    known: Option<Identity>,
+    /// What speaks against whoever answered last.
+    stranger: Option<NotReady>,
     /// A fence was sent because of the dead-man that is shown.
     dead_man_fenced: bool,
 }
@@ -74,6 +78,8 @@ struct Session<S> {
     sent: VecDeque<Sent>,
     last_sent: Instant,
     late: bool,
+    /// The epoch to fence with, until it is known who answers.
+    to_fence: Option<u32>,
 }
 
 impl<C: Connector> StatusTask<C> {
@@ -94,6 +100,8 @@ impl<C: Connector> StatusTask<C> {
             // Beyond the last epoch nothing can be told from what an earlier start has sent.
             exhausted: base_epoch > LAST_BASE,
             lines: 0,
+            known: None,
+            stranger: None,
             dead_man_fenced: false,
         }
     }
@@ -178,9 +186,17 @@ impl<C: Connector> StatusTask<C> {
             sent: VecDeque::new(),
             last_sent: Instant::now(),
             late: false,
+            to_fence: None,
         };
         let epoch = self.generation_of_connection();
-        let mut written = session.write(Verb::Fence { epoch }, None, lost).await;
+        // Another controller must not be fenced: somebody else works with it. So it is asked first.
+        let first = if self.known.is_some() {
+            session.to_fence = Some(epoch);
+            Verb::Status { epoch: 0 }
+        } else {
+            Verb::Fence { epoch }
+        };
+        let mut written = session.write(first, None, lost).await;
         let stop = self.stop.clone();
         let ended = loop {
             if let Err(failure) = written {
@@ -283,6 +299,18 @@ impl<C: Connector> StatusTask<C> {
                 };
             }
         };
+        if let Some(epoch) = session.to_fence {
+            let is = Identity::of(&status);
+            if let Err(stranger) = self.known.map_or(Ok(()), |was| was.check(is)) {
+                self.stranger = Some(stranger);
+                return Err(stranger.to_string());
+            }
+            session.to_fence = None;
+            if let Some(answer) = sent.answer {
+                let _gone = answer.send(Ok(status));
+            }
+            return Ok(Some(Verb::Fence { epoch }));
+        }
         if let Verb::Fence { epoch } = sent.verb
             && status.epoch_max < epoch
         {
@@ -291,6 +319,8 @@ impl<C: Connector> StatusTask<C> {
                 status.epoch_max
             ));
         }
+        self.stranger = None;
+        self.known = Some(Identity::of(&status));
         self.publish_status(&status, &sent, session.late);
         if let Some(answer) = sent.answer {
             let _gone = answer.send(Ok(status));
@@ -342,7 +372,7 @@ impl<C: Connector> StatusTask<C> {
         self.shared.plan.metrics.state(state);
         self.shared.view.send_modify(|view| {
             view.state = state;
-            view.not_ready = Some(NotReady::Disconnected);
+            view.not_ready = Some(self.stranger.unwrap_or(NotReady::Disconnected));
         });
     }
 
@@ -356,7 +386,7 @@ impl<C: Connector> StatusTask<C> {
                 .as_ref()
                 .is_none_or(|(_, text)| **text != *failure);
             view.state = LinkState::Disconnected;
-            view.not_ready = Some(NotReady::Disconnected);
+            view.not_ready = Some(self.stranger.unwrap_or(NotReady::Disconnected));
             view.failure = Some((ProblemCode::ControllerDisconnected, failure.into()));
         });
         // The same failure again and again is one line in the log.
@@ -384,6 +414,7 @@ impl<C: Connector> StatusTask<C> {
         let observed = Observed {
             line: *status,
             at: Instant::now(),
+            asked_at: sent.at,
             count: self.lines,
         };
         let epoch = self.epoch();
@@ -405,6 +436,7 @@ impl<C: Connector> StatusTask<C> {
                 Some(NotReady::GenerationsUsedUp { limit: GENERATIONS })
             } else {
                 readiness::check(status, epoch, frames, view.in_flight.is_some())
+                    .or_else(|| self.shared.plan.implausible(status))
             };
             state = match view.not_ready {
                 _ if late => LinkState::Degraded,

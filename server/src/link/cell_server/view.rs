@@ -34,6 +34,8 @@ pub(crate) struct ControllerView {
 pub(crate) struct Observed {
     pub(crate) line: StatusLine,
     pub(crate) at: Instant,
+    /// When it was asked for: what it says is not older.
+    pub(crate) asked_at: Instant,
     /// Counts the status lines of this link.
     pub(crate) count: u64,
 }

@@ -1,5 +1,6 @@
 //! Mobile robots: the signals they send, and the messages the cell has for them.
 
+mod instant;
 mod outbox;
 mod refused;
 mod signal;
@@ -15,6 +16,7 @@ use axum::http::request::Parts;
 use utoipa::IntoParams;
 use workflow::{Input, Reply};
 
+pub(super) use instant::{__path_post_instant_action, post_instant_action};
 pub(super) use outbox::{__path_get_outbox, get_outbox};
 use refused::KeptProblem;
 pub(super) use state::{
@@ -74,7 +76,8 @@ impl FromRequestParts<Arc<App>> for MobileRobotOf {
 ///
 /// Signals are counted from 1 in each `boot`. The same (boot, seq) again is answered as before and has no second
 /// effect. A signal that comes before its predecessor is parked for a short while (202); one that comes still earlier,
-/// or of an earlier boot, is refused and not counted. One that does not fit the hand-over is counted and has no effect
+/// or of an earlier boot, is refused and not counted: `violations` has `expected.seq`, and an `MR_HEARTBEAT` with
+/// `resync` gives up what is lost for ever. One that does not fit the hand-over is counted and has no effect
 /// (409), as is one of a hand-over that is over (410). What counts is the order of arrival, not the robot's clock.
 #[utoipa::path(
     post, path = "/api/v1/cells/{cell}/mobile-robots/{mobile_robot}/signals", tag = "mobile-robots",
@@ -115,17 +118,29 @@ pub(super) async fn post_signal(
 }
 
 fn answered(answer: workflow::SignalAnswer) -> Result<(StatusCode, Json<SignalAnswer>), Problem> {
-    let taken = |status, duplicate, parked| {
+    let noted = |status, duplicate, parked, note: Option<&str>| {
         let answer = SignalAnswer {
             accepted: true,
             duplicate,
             parked,
-            note: None,
+            note: note.map(str::to_owned),
         };
         Ok((status, Json(answer)))
     };
+    let taken = |status, duplicate, parked| noted(status, duplicate, parked, None);
     match answer {
         workflow::SignalAnswer::Accepted { duplicate } => taken(StatusCode::OK, duplicate, false),
+        workflow::SignalAnswer::Late { duplicate } => noted(
+            StatusCode::OK,
+            duplicate,
+            false,
+            Some("its number was given up as lost: it is recorded and has no effect"),
+        ),
+        workflow::SignalAnswer::Gap {
+            boot,
+            expected,
+            got,
+        } => Err(gap(boot, expected, got)),
         workflow::SignalAnswer::Parked => taken(StatusCode::ACCEPTED, false, true),
         workflow::SignalAnswer::Conflict { expected, got, .. } => {
             let detail = format!("expected {expected}, got {got}");
@@ -149,4 +164,25 @@ fn answered(answer: workflow::SignalAnswer) -> Result<(StatusCode, Json<SignalAn
             format!("the hand-over session {session} is over, or was never begun"),
         )),
     }
+}
+
+/// More than one number before it is missing: `expected.seq` is the number to go on with.
+fn gap(boot: u64, expected: u64, got: u64) -> Problem {
+    let violation = |item: &str, message: String| Violation {
+        item: item.to_owned(),
+        message,
+        ..Violation::default()
+    };
+    let (wanted, came) = (
+        format!("boot {boot} seq {expected}"),
+        format!("boot {boot} seq {got}"),
+    );
+    let detail = format!("expected {wanted}, got {came}; its number is not used up");
+    Problem::new(ProblemCode::HandoverConflict, detail)
+        .violations(vec![
+            violation("expected", wanted),
+            violation("got", came),
+            violation("expected.seq", expected.to_string()),
+        ])
+        .hint("send the missing signals; if they are lost, send MR_HEARTBEAT with `resync` under the next number")
 }

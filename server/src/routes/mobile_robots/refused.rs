@@ -50,6 +50,7 @@ fn of_cell(refusal: &Refusal) -> Problem {
         Refusal::Unknown { .. } => Problem::not_found(detail),
         Refusal::Invalid { .. } => Problem::not_sent(ProblemCode::Validation, detail),
         Refusal::Conflict { .. } => Problem::not_sent(ProblemCode::HandoverConflict, detail),
+        Refusal::Interlock { .. } => Problem::not_sent(ProblemCode::InterlockViolation, detail),
         Refusal::Forbidden { .. } => Problem::not_sent(ProblemCode::Forbidden, detail),
     }
 }

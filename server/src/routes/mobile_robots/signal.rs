@@ -23,6 +23,15 @@ pub(super) fn check(body: SignalBody, mobile_robot: &str) -> Result<Signal, Prob
     if body.seq == 0 {
         faults.add("seq", "is 0; the first signal of a boot has number 1");
     }
+    if body.resync && body.signal != SignalName::MrHeartbeat {
+        faults.add(
+            "resync",
+            format!(
+                "comes with `{}`; only MR_HEARTBEAT may give numbers up",
+                body.signal.as_str()
+            ),
+        );
+    }
     check_data(&mut faults, &body.data);
     if let Some(errors) = faults.into_errors() {
         return Err(errors.into());
@@ -33,6 +42,7 @@ pub(super) fn check(body: SignalBody, mobile_robot: &str) -> Result<Signal, Prob
         boot: body.boot,
         seq: body.seq,
         kind: kind(body.signal),
+        resync: body.resync,
         state: state(body.data),
     })
 }
@@ -51,15 +61,16 @@ fn check_data(faults: &mut Faults, data: &SignalData) {
     ] {
         let _value = faults.number(item, value, range);
     }
-    faults.count("data.loads", data.loads.len(), MAX_SIGNAL_ITEMS);
+    let loads = data.loads.as_deref().unwrap_or_default();
+    faults.count("data.loads", loads.len(), MAX_SIGNAL_ITEMS);
     faults.count("data.errors", data.errors.len(), MAX_SIGNAL_ITEMS);
-    for (index, one) in data.loads.iter().enumerate().take(MAX_SIGNAL_ITEMS) {
+    for (index, one) in loads.iter().enumerate().take(MAX_SIGNAL_ITEMS) {
         let item = format!("data.loads[{index}]");
         text(faults, &format!("{item}.slot"), &one.slot, MAX_MOBILE_ID);
         if let Some(load) = &one.load {
             text(faults, &format!("{item}.load"), load, MAX_MOBILE_ID);
         }
-        let earlier = data.loads.iter().take(index);
+        let earlier = loads.iter().take(index);
         if earlier.clone().any(|other| other.slot == one.slot) {
             faults.add(
                 format!("{item}.slot"),
@@ -117,14 +128,16 @@ fn kind(name: SignalName) -> SignalKind {
 }
 
 fn state(data: SignalData) -> MobileState {
-    // A robot that names no slot has no sensors to say what lies in them.
-    let told = !data.loads.is_empty();
-    let occupied = data.loads.into_iter().filter_map(|one| {
-        let load = Some(one.load?);
-        Some(SlotLoad {
-            slot: one.slot,
-            load,
-        })
+    // Absent: it has no sensors to say what lies in its slots. Empty: it is known to carry nothing.
+    let occupied = data.loads.map(|loads| {
+        let occupied = loads.into_iter().filter_map(|one| {
+            let load = Some(one.load?);
+            Some(SlotLoad {
+                slot: one.slot,
+                load,
+            })
+        });
+        occupied.collect()
     });
     MobileState {
         pose: BasePose {
@@ -142,7 +155,7 @@ fn state(data: SignalData) -> MobileState {
             OperatingMode::Manual => MobileMode::Manual,
             OperatingMode::Service => MobileMode::Service,
         },
-        loads: told.then(|| occupied.collect()),
+        loads: occupied,
         order: data.order,
         at_point: data.at_point,
         errors: data

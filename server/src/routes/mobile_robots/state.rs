@@ -113,7 +113,7 @@ fn data(state: MobileState, slots: &[String]) -> SignalData {
         battery_percent: state.battery_percent,
         mode: mode(state.mode),
         // The cell keeps the slots that are occupied; the others of the robot are empty, if it told of any.
-        loads: told.map_or_else(Vec::new, |told| {
+        loads: told.map(|told| {
             let known = slots
                 .iter()
                 .filter(|slot| !told.iter().any(|one| one.slot == **slot));

@@ -1,15 +1,19 @@
 //! What requests about a set-up say: the form of the text, and the revision a change is based on.
 
+use std::sync::Arc;
+
 use api::ProblemCode;
 use axum::extract::Request;
 use axum::http::{HeaderMap, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
+use tokio::sync::OwnedSemaphorePermit;
 
 use crate::config::ServerPlan;
 use crate::extract::{media_type, read_body};
 use crate::problem::Problem;
 use crate::setup::{BasedOn, Form};
+use crate::state::App;
 
 /// A set-up may be larger than other bodies: a thousand places with a thousand taught poses.
 const MAX_SETUP_BYTES: usize = 1024 * 1024;
@@ -18,17 +22,44 @@ pub(super) const TOML: &str = "application/toml";
 pub(super) const JSON: &str = "application/json";
 
 /// A whole set-up as it was sent.
-pub(super) async fn document(
-    request: Request,
-    limits: &ServerPlan,
-) -> Result<(Bytes, Form), Problem> {
+#[derive(Debug)]
+pub(super) struct Document {
+    pub(super) text: Bytes,
+    pub(super) form: Form,
+    /// Of a large one, until it has been worked on.
+    _place: Option<OwnedSemaphorePermit>,
+}
+
+/// Reads a whole set-up. There are few places for large ones: with one on each of the server's connections, their
+/// memory would be the server's.
+pub(super) async fn document(request: Request, app: &App) -> Result<Document, Problem> {
+    let limits = &app.server;
     let form = match media_type(request.headers(), &[JSON, TOML])? {
         TOML => Form::Toml,
         _ => Form::Json,
     };
-    let limit = limits.max_body_bytes.max(MAX_SETUP_BYTES);
-    let body = read_body(request, limits, limit).await?;
-    Ok((body, form))
+    let announced = request
+        .headers()
+        .get(header::CONTENT_LENGTH)
+        .and_then(|value| value.to_str().ok())
+        .and_then(|text| text.parse::<usize>().ok());
+    let (limit, place) = match announced {
+        Some(length) if length <= limits.max_body_bytes => (limits.max_body_bytes, None),
+        Some(_) | None => {
+            let place = Arc::clone(&app.large_bodies).try_acquire_owned();
+            let place = place.map_err(|_taken| {
+                let detail = "other large set-ups are being read and checked";
+                Problem::not_sent(ProblemCode::ServerBusy, detail).retry_after_a_second()
+            })?;
+            (limits.max_body_bytes.max(MAX_SETUP_BYTES), Some(place))
+        }
+    };
+    let text = read_body(request, limits, limit).await?;
+    Ok(Document {
+        text,
+        form,
+        _place: place,
+    })
 }
 
 /// A part of one, in JSON.

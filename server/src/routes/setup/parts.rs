@@ -241,4 +241,8 @@ part_routes! {
         [("load" = String, Path, description = "The load's id."),],
         named => Resource::Load(named.get("load")),
         get_load_setup, put_load_setup, delete_load_setup;
+    api::setup::TriggerBody, "a trigger", "/api/v1/cells/{cell}/setup/triggers/{trigger}",
+        [("trigger" = String, Path, description = "The trigger's id."),],
+        named => Resource::Trigger(named.get("trigger")),
+        get_trigger, put_trigger, delete_trigger;
 }

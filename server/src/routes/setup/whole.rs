@@ -63,8 +63,8 @@ pub(super) async fn put_setup(
 ) -> Result<Response, Problem> {
     let book = Arc::clone(&app.cell(&cell)?.setup);
     let based_on = based_on(&headers)?;
-    let (text, form) = document(request, &app.server).await?;
-    let imported = parse_setup(&text, form)?;
+    let sent = document(request, &app).await?;
+    let imported = parse_setup(&sent.text, sent.form)?;
     let changed = book.change(based_on, Resource::Header, move |file| {
         *file = imported;
         Ok(Edit::Put)

@@ -3,6 +3,7 @@
 mod arms;
 mod floor;
 mod refs;
+mod triggers;
 
 use std::collections::HashSet;
 use std::hash::Hash;
@@ -67,6 +68,7 @@ impl Setup {
             ("mobile_robots", file.mobile_robots.len(), MAX_FEW),
             ("routes", file.routes.len(), MAX_FEW),
             ("loads", file.loads.len(), MAX_MANY),
+            ("triggers", file.triggers.len(), MAX_FEW),
         ] {
             faults.count(list, len, max);
         }
@@ -83,6 +85,7 @@ impl Setup {
             mobile_robots: floor::mobile_robots(faults, &refs),
             routes: floor::routes(faults, &refs),
             loads: floor::loads(faults, &refs),
+            triggers: triggers::triggers(faults, &refs),
             timers,
         };
         floor::handovers_have_their_own_zones(faults, &refs);
@@ -105,6 +108,9 @@ fn check_timers(faults: &mut Faults, timers: &TimersBody) {
         hold_ms,
         safe_ms,
         transport_ms,
+        heartbeat_ms,
+        arm_silence_ms,
+        motion_margin_ms,
     } = *timers;
     for (name, value) in [
         ("reserve_ms", reserve_ms),
@@ -120,6 +126,9 @@ fn check_timers(faults: &mut Faults, timers: &TimersBody) {
         ("hold_ms", hold_ms),
         ("safe_ms", safe_ms),
         ("transport_ms", transport_ms),
+        ("heartbeat_ms", heartbeat_ms),
+        ("arm_silence_ms", arm_silence_ms),
+        ("motion_margin_ms", motion_margin_ms),
     ] {
         if let Some(value) = value.filter(|value| !TIMER_MS.contains(value)) {
             let (min, max) = (TIMER_MS.start(), TIMER_MS.end());

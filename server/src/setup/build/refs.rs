@@ -1,7 +1,8 @@
 use std::sync::Arc;
 
 use api::setup::{
-    DestinationBody, LoadPointBody, MobileRobotSetup, PlaceBody, SetupFile, ToolSetup, ZoneBody,
+    DestinationBody, LoadPointBody, MobileRobotSetup, PlaceBody, SetupFile, StationBody, ToolSetup,
+    ZoneBody,
 };
 
 use crate::config::RobotPlan;
@@ -94,6 +95,21 @@ impl<'a> Refs<'a> {
         if found.is_none() {
             let all = all.iter().map(|robot| robot.id.as_str());
             faults.add(item, no_such("mobile robot", id, all));
+        }
+        found
+    }
+
+    pub(super) fn station(
+        &self,
+        faults: &mut Faults,
+        item: String,
+        id: &str,
+    ) -> Option<&'a StationBody> {
+        let all = &self.file.stations;
+        let found = all.iter().find(|station| station.id == id);
+        if found.is_none() {
+            let all = all.iter().map(|station| station.id.as_str());
+            faults.add(item, no_such("station", id, all));
         }
         found
     }

@@ -81,7 +81,11 @@ impl TestServer {
     }
 
     /// A server that asks callers for tokens.
-    pub(crate) async fn with_identity(robot: &FakeRobot, identity: Identity) -> Self {
+    pub(crate) async fn with_identity(
+        robot: &FakeRobot,
+        identity: Identity,
+        journal: SharedJournal,
+    ) -> Self {
         let cell = CellSection {
             id: "c1".to_owned(),
             name: None,
@@ -102,7 +106,7 @@ impl TestServer {
         let seams = Seams {
             connector: TcpConnector::default(),
             clock: Arc::new(SystemClock),
-            journal: SharedJournal::volatile(),
+            journal,
         };
         Self::of(plan, seams).await
     }

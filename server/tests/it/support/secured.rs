@@ -3,6 +3,7 @@ use std::path::PathBuf;
 use api::NewToken;
 use jiff::{Timestamp, ToSpan};
 use serde_json::{Value, json};
+use server::SharedJournal;
 use server::identity::Identity;
 use tempfile::TempDir;
 
@@ -21,6 +22,10 @@ pub(crate) struct Secured {
 
 impl Secured {
     pub(crate) async fn start(robot: &FakeRobot) -> Self {
+        Self::start_with(robot, SharedJournal::volatile()).await
+    }
+
+    pub(crate) async fn start_with(robot: &FakeRobot, journal: SharedJournal) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("tokens.json");
         let now = Timestamp::now();
@@ -29,11 +34,28 @@ impl Secured {
         let (identity, admin) = Identity::open(path, now).unwrap();
         let text = |made: Option<NewToken>| made.unwrap().token.reveal().to_owned();
         Self {
-            server: TestServer::with_identity(robot, identity).await,
+            server: TestServer::with_identity(robot, identity, journal).await,
             admin: text(admin),
             expired: text(expired),
             folder,
         }
+    }
+
+    /// Stops the server in order, and starts the next one with the same tokens.
+    pub(crate) async fn again(
+        &mut self,
+        robot: &FakeRobot,
+        journal: impl AsyncFnOnce() -> SharedJournal,
+    ) {
+        self.end().await;
+        let (identity, _) = Identity::open(self.file(), Timestamp::now()).unwrap();
+        self.server = TestServer::with_identity(robot, identity, journal().await).await;
+    }
+
+    /// Stops the server in order.
+    pub(crate) async fn end(&mut self) {
+        self.server.stop.cancel();
+        (&mut self.server.task).await.unwrap().unwrap();
     }
 
     pub(crate) fn file(&self) -> PathBuf {

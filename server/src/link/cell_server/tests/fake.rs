@@ -2,9 +2,10 @@
 
 use std::time::Duration;
 
+use protocol::WireMove;
 use protocol::v2::{
-    Command, ErrorCode, FinishStatus, Greeting, MotionNumber, Move, OperatingMode, Reply, Request,
-    StatusLine, Verb, WireJoints, WirePose,
+    Command, ErrorCode, FinishStatus, Greeting, LinearSpeed, MotionNumber, Move, OperatingMode,
+    Reply, Request, StatusLine, Verb, WireConfiguration, WireJoints, WirePose,
 };
 use tokio::time::Instant;
 use units::{Degrees, Millimeters};
@@ -50,6 +51,8 @@ pub(super) struct Brain {
     pub(super) miss: f64,
     /// A motion is accepted and never begins.
     pub(super) stuck: bool,
+    /// A controller without numbers: nobody watches the commander, either.
+    unwatched: bool,
     nonce: Option<(i32, Instant)>,
     nonces: i32,
     running: Option<Running>,
@@ -84,6 +87,7 @@ impl Brain {
             duration: Duration::from_millis(700),
             miss: 0.0,
             stuck: false,
+            unwatched: false,
             nonce: None,
             nonces: 0,
             running: None,
@@ -103,10 +107,10 @@ impl Brain {
             .since
             .map(|since| since + running.duration.saturating_sub(running.done));
         match arrives_at {
-            Some(arrives) if arrives <= now && arrives <= stops_at => {
+            Some(arrives) if arrives <= now && (arrives <= stops_at || self.unwatched) => {
                 self.finish(FinishStatus::Arrived, arrives);
             }
-            _ if stops_at <= now => {
+            _ if stops_at <= now && !self.unwatched => {
                 self.status.dead_man = true;
                 self.dead_man_epoch = running.number.epoch;
                 self.finish(FinishStatus::DeadMan, stops_at);
@@ -222,6 +226,31 @@ impl Brain {
             status.moving = status.speed_override > 0;
         }
         Ok(())
+    }
+
+    /// A command of the pose server, which takes whatever it can read.
+    pub(super) fn take_seed(&mut self, command: &WireMove) {
+        self.advance();
+        self.unwatched = true;
+        let number = MotionNumber::default();
+        self.ledger.push(Event::Accepted(number));
+        if self.stuck {
+            return;
+        }
+        self.ledger.push(Event::Started(number));
+        self.running = Some(Running {
+            number,
+            command: Command::Move(Move::Linear {
+                pose: WirePose::from(*command),
+                speed: LinearSpeed::try_new(command.speed()).unwrap(),
+                configuration: WireConfiguration::default(),
+            }),
+            from: (self.status.pose, self.status.joints),
+            duration: self.duration,
+            done: Duration::ZERO,
+            since: Some(Instant::now()),
+        });
+        self.status.moving = true;
     }
 
     pub(super) fn obey(&mut self, verb: Verb) -> StatusLine {

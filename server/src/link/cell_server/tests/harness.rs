@@ -21,7 +21,8 @@ use super::serve::{COMMAND, Fake};
 use crate::config::{CellSection, Plan, RobotSection, ServerSection};
 use crate::link::Turned;
 use crate::link::cell_server::{
-    CellServerLink, CellServerPlan, ControllerView, MotionEnd, MotionObserver, MotionOrder, spawn,
+    CellServerLink, CellServerPlan, ControllerView, Instruction, MotionEnd, MotionObserver,
+    MotionOrder, spawn,
 };
 use crate::metrics::Metrics;
 use crate::request_id::RequestId;
@@ -93,7 +94,11 @@ pub(super) fn link_plan(section: RobotSection) -> CellServerPlan {
     let plan = Plan::try_new(&ServerSection::default(), &[cell]).unwrap();
     let robot = &plan.cells[0].robots[0];
     let metrics = Metrics::new(std::iter::empty()).unwrap();
-    CellServerPlan::of(robot, metrics.controller_link(robot))
+    CellServerPlan {
+        // The fake's arm is none of the models.
+        arm: None,
+        ..CellServerPlan::of(robot, metrics.controller_link(robot))
+    }
 }
 
 impl Harness {
@@ -110,11 +115,15 @@ impl Harness {
     }
 
     pub(super) fn with(fake: &Fake, base: u64, section: RobotSection) -> Self {
+        Self::of_plan(fake, base, link_plan(section))
+    }
+
+    pub(super) fn of_plan(fake: &Fake, base: u64, plan: CellServerPlan) -> Self {
         let heard = Arc::new(Heard::default());
         let stop = CancellationToken::new();
         let tracker = TaskTracker::new();
         let link = spawn(
-            link_plan(section),
+            plan,
             Arc::new(fake.clone()),
             Arc::clone(&heard),
             base,
@@ -148,21 +157,25 @@ impl Harness {
     }
 
     /// Numbers and queues a command, as the door of the motion service does.
-    pub(super) fn submit(&self, command: Command) -> (Uuid, MotionNumber) {
+    pub(super) fn submit(&self, command: impl Into<Instruction>) -> (Uuid, MotionNumber) {
         self.submit_until(command, Duration::from_secs(5))
     }
 
-    pub(super) fn submit_until(&self, command: Command, within: Duration) -> (Uuid, MotionNumber) {
+    pub(super) fn submit_until(
+        &self,
+        command: impl Into<Instruction>,
+        within: Duration,
+    ) -> (Uuid, MotionNumber) {
         let submitted = self.try_submit(command, within);
         submitted.unwrap_or_else(|turned| panic!("the queue turned it away: {turned:?}"))
     }
 
     pub(super) fn try_submit(
         &self,
-        command: Command,
+        command: impl Into<Instruction>,
         within: Duration,
     ) -> Result<(Uuid, MotionNumber), Turned> {
-        let motion = Uuid::now_v7();
+        let (motion, command) = (Uuid::now_v7(), command.into());
         let wire_epoch = self.link.view().wire_epoch.unwrap_or(0);
         let seq = {
             let mut seq = self.seq.lock().unwrap();
@@ -179,7 +192,9 @@ impl Harness {
         };
         let number = order.number();
         self.link.submit(order)?;
-        self.sent.lock().unwrap().push((motion, number, command));
+        if let Instruction::Numbered(command) = command {
+            self.sent.lock().unwrap().push((motion, number, command));
+        }
         Ok((motion, number))
     }
 
@@ -205,7 +220,7 @@ impl Harness {
     }
 
     /// Sends a command and waits for its end, and judges it.
-    pub(super) async fn carry_out(&self, command: Command) -> Arc<MotionEnd> {
+    pub(super) async fn carry_out(&self, command: impl Into<Instruction>) -> Arc<MotionEnd> {
         let (motion, _) = self.submit(command);
         let end = self.end(motion).await;
         self.judge();
@@ -257,7 +272,7 @@ impl Harness {
                 Event::Fenced(epoch) => fence = fence.max(*epoch),
                 Event::Started(number) => {
                     assert!(
-                        number.epoch >= fence,
+                        number.epoch >= fence || *number == MotionNumber::default(),
                         "{number} started behind fence {fence}"
                     );
                 }

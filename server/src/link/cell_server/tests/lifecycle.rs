@@ -16,7 +16,7 @@ fn open(number: MotionNumber, x: f64) -> Open {
         number,
         boot: Some(1),
         accepted: false,
-        command: to(x),
+        command: to(x).into(),
     }
 }
 

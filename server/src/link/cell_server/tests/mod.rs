@@ -4,8 +4,10 @@
 mod command_port;
 mod fake;
 mod harness;
+mod identity;
 mod lifecycle;
 mod random;
+mod seed;
 mod serve;
 mod status_port;
 mod stopping;

@@ -6,6 +6,7 @@
 
 use std::collections::VecDeque;
 use std::io;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 
@@ -37,6 +38,8 @@ pub(super) enum Fault {
     CorruptAck,
     SilentAfterAccept,
     DropAfterAck,
+    /// The answer comes byte by byte.
+    Drip(Duration),
     CorruptDone,
     SilentAfterAck,
 }
@@ -75,6 +78,8 @@ struct Inner {
     /// When the status port was asked for a connection.
     attempts: Mutex<Vec<Instant>>,
     turn: tokio::sync::Mutex<()>,
+    /// The pose server listens on the command port.
+    seed: AtomicBool,
 }
 
 pub(super) const COMMAND: &str = "127.0.0.1:59002";
@@ -88,7 +93,20 @@ impl Fake {
             power: Mutex::default(),
             attempts: Mutex::default(),
             turn: tokio::sync::Mutex::default(),
+            seed: AtomicBool::new(false),
         }))
+    }
+
+    /// A controller of tier 1.
+    pub(super) fn seed() -> Self {
+        let fake = Self::new();
+        fake.0.seed.store(true, Ordering::Relaxed);
+        fake
+    }
+
+    /// Puts another controller at the address; gives the one that was there.
+    pub(super) fn swap(&self, other: Brain) -> Brain {
+        std::mem::replace(&mut *self.brain(), other)
     }
 
     pub(super) fn brain(&self) -> MutexGuard<'_, Brain> {
@@ -116,6 +134,10 @@ impl Fake {
     pub(super) fn lose_power(&self) {
         self.cut();
         self.brain().lose_power();
+    }
+
+    pub(super) fn is_well(&self) -> bool {
+        self.status() == Status::Well
     }
 
     pub(super) fn attempts(&self) -> Vec<Instant> {
@@ -220,6 +242,47 @@ impl Fake {
         stream.write_all(&done).await
     }
 
+    /// One connection of the pose server: a command, a text, closed.
+    async fn serve_seed(self, mut stream: DuplexStream, fault: Fault) -> io::Result<()> {
+        let _turn = self.0.turn.lock().await;
+        let mut bytes = Vec::new();
+        let command = loop {
+            if stream.read_buf(&mut bytes).await? == 0 {
+                return Ok(());
+            }
+            if bytes == *protocol::seed_fence() {
+                return stream
+                    .write_all(protocol::Reply::Unreachable.text().as_bytes())
+                    .await;
+            }
+            if let Ok(command) = protocol::decode_command(&bytes) {
+                break command;
+            }
+        };
+        match fault {
+            Fault::DropAfterRead => return Ok(()),
+            Fault::LateRead(late) => sleep(late).await,
+            _ => {}
+        }
+        self.brain().take_seed(&command);
+        match fault {
+            Fault::DropAfterAccept => Ok(()),
+            Fault::SilentAfterAccept => until_hangup(&mut stream).await,
+            Fault::Drip(pause) => {
+                for byte in protocol::Reply::Accepted.text().bytes() {
+                    stream.write_all(&[byte]).await?;
+                    sleep(pause).await;
+                }
+                Ok(())
+            }
+            _ => {
+                stream
+                    .write_all(protocol::Reply::Accepted.text().as_bytes())
+                    .await
+            }
+        }
+    }
+
     async fn serve_status(self, mut stream: DuplexStream) -> io::Result<()> {
         let mut lines = Lines::default();
         loop {
@@ -262,10 +325,16 @@ impl Connector for Fake {
             if fault == Fault::Refused {
                 return Err(io::ErrorKind::ConnectionRefused.into());
             }
+            let seed = self.0.seed.load(Ordering::Relaxed);
             drop(tokio::spawn(async move {
-                power
-                    .run_until_cancelled(fake.serve_command(theirs, fault))
-                    .await
+                let serving = async {
+                    if seed {
+                        fake.serve_seed(theirs, fault).await
+                    } else {
+                        fake.serve_command(theirs, fault).await
+                    }
+                };
+                power.run_until_cancelled(serving).await
             }));
         } else {
             self.0.attempts.lock().unwrap().push(Instant::now());

@@ -270,15 +270,21 @@ async fn a_controller_that_lost_what_it_had_stored_leaves_an_accepted_motion_in_
     cell.fake.lose_power();
     cell.fake.brain().forget();
     let end = cell.end(motion).await;
+    // It cannot be told from another controller, so nothing it says is taken for an answer, and nothing is sent to it.
     assert!(
         matches!(
             &*end,
             MotionEnd::InDoubt {
-                error: LinkError::Forgotten { .. },
+                error: LinkError::Lost { .. },
                 ..
             }
         ),
         "{end:?}"
+    );
+    let why = cell.link.view().not_ready;
+    assert!(
+        matches!(why, Some(NotReady::OtherController { .. })),
+        "{why:?}"
     );
 }
 

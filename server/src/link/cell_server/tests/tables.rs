@@ -54,7 +54,7 @@ fn open() -> Open {
         number: N,
         boot: Some(1),
         accepted: false,
-        command: to(100.0),
+        command: to(100.0).into(),
     }
 }
 
@@ -166,7 +166,7 @@ async fn the_target_is_compared_with_what_the_command_moves() {
         ..at(0.0)
     };
     let of_joints = Open {
-        command: to_joints(30.0),
+        command: to_joints(30.0).into(),
         ..open()
     };
     assert_eq!(
@@ -179,7 +179,7 @@ async fn the_target_is_compared_with_what_the_command_moves() {
         "{missed:?}"
     );
     let of_output = Open {
-        command: output(2, true),
+        command: output(2, true).into(),
         ..open()
     };
     let level = |outputs| StatusLine { outputs, ..at(0.0) };
