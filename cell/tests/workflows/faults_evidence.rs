@@ -26,7 +26,7 @@ async fn says_docked_elsewhere(which: Which) {
         run.assert_never_entered().await;
     }
     run.assert_at(&which.source()).await;
-    run.until_no_permits().await;
+    run.assert_no_arm_permit().await;
     run.assert_orderly().await;
 }
 

@@ -389,6 +389,16 @@ impl Run {
             .await;
     }
 
+    /// The arm may not enter. (The mobile robot may still drive, to dock again or to leave.)
+    pub(crate) async fn assert_no_arm_permit(&self) {
+        let sessions = self.cell.get("/sessions").await;
+        let sessions = sessions["sessions"].as_array().unwrap();
+        let none = sessions
+            .iter()
+            .all(|session| session["arm_entry_permit"] == false);
+        assert!(none, "{sessions:?}");
+    }
+
     /// Waits until the arm stands out of the zone.
     pub(crate) async fn until_out_of_zone(&self) {
         self.cell
@@ -433,7 +443,8 @@ impl Run {
         match self.which {
             Which::Delivery => self.assert_at(&self.which.target()).await,
             Which::Pickup => {
-                assert!(matches!(self.cell.truly_at(self.load()), PartAt::Away(_)));
+                let at = self.cell.truly_at(self.load());
+                assert!(matches!(at, PartAt::Away(_)), "{at:?}");
                 let custody = self.cell.custody(self.load()).await;
                 assert_eq!(custody["location"]["at"], "DELIVERED");
             }

@@ -1,7 +1,9 @@
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use api::Tier;
+use tokio::sync::watch;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 use workflow::{Input, Setup};
@@ -17,7 +19,7 @@ use crate::authority::{CellControl, Claim};
 use crate::clock::WallClock;
 use crate::journal::SharedJournal;
 use crate::motions::InFlight;
-use crate::setup::{Resource, SetupBook};
+use crate::setup::{Kept, Resource, SetupBook};
 use crate::state::{Robot, RobotLink};
 
 /// The parts a cell works with.
@@ -63,12 +65,19 @@ impl Parts<'_> {
         let view = handle.clone();
         let asked = move |part: &Resource| in_use(&view.view(), part);
         self.setup.refuse_while(Arc::new(asked));
-        drop(self.tracker.spawn(tell_setup(
-            self.id.to_owned(),
-            handle.clone(),
-            Arc::clone(self.setup),
-            self.stop.clone(),
-        )));
+        // The first time before anybody is served: a job that is asked for at once finds its point.
+        let mut changes = self.setup.watch();
+        if tell_setup(self.id, &handle, &mut changes)
+            .await
+            .is_continue()
+        {
+            drop(self.tracker.spawn(tell_setups(
+                self.id.to_owned(),
+                handle.clone(),
+                changes,
+                self.stop.clone(),
+            )));
+        }
         drop(self.tracker.spawn(tell_control(
             handle.clone(),
             Arc::clone(self.control),
@@ -111,32 +120,40 @@ impl Parts<'_> {
     }
 }
 
-/// Tells the cell of every change to its set-up, the first at the start.
-async fn tell_setup(
+/// Tells the cell of every further change to its set-up.
+async fn tell_setups(
     id: String,
     handle: CellHandle,
-    setup: Arc<SetupBook>,
+    mut changes: watch::Receiver<Arc<Kept>>,
     stop: CancellationToken,
 ) {
-    let mut changes = setup.watch();
-    loop {
-        let wanted = changes.borrow_and_update().setup.for_workflows();
-        if *handle.view().setup() != wanted {
-            match handle.ask(Input::SetupChanged(Box::new(wanted))).await {
-                Ok(_) => tracing::info!(cell.id = id, "the workflows have the new set-up"),
-                Err(Refused::Stopping) => return,
-                Err(refused) => tracing::warn!(
-                    cell.id = id,
-                    ?refused,
-                    "the workflows keep the set-up they had"
-                ),
-            }
-        }
-        let changed = stop.run_until_cancelled(changes.changed()).await;
-        if !matches!(changed, Some(Ok(()))) {
+    while let Some(Ok(())) = stop.run_until_cancelled(changes.changed()).await {
+        if tell_setup(&id, &handle, &mut changes).await.is_break() {
             return;
         }
     }
+}
+
+/// Tells the cell of its set-up as it is now; breaks when the cell has stopped.
+async fn tell_setup(
+    id: &str,
+    handle: &CellHandle,
+    changes: &mut watch::Receiver<Arc<Kept>>,
+) -> ControlFlow<()> {
+    let wanted = changes.borrow_and_update().setup.for_workflows();
+    if *handle.view().setup() == wanted {
+        return ControlFlow::Continue(());
+    }
+    match handle.ask(Input::SetupChanged(Box::new(wanted))).await {
+        Ok(_) => tracing::info!(cell.id = id, "the workflows have the new set-up"),
+        Err(Refused::Stopping) => return ControlFlow::Break(()),
+        Err(refused) => tracing::warn!(
+            cell.id = id,
+            ?refused,
+            "the workflows keep the set-up they had"
+        ),
+    }
+    ControlFlow::Continue(())
 }
 
 /// Tells the cell whether its jobs have control: while nobody else holds it.

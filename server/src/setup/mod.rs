@@ -30,7 +30,7 @@ mod teach;
 mod tests;
 mod text;
 
-pub(crate) use book::{BasedOn, ChangeError, Edit, SetupBook};
+pub(crate) use book::{BasedOn, ChangeError, Edit, Kept, SetupBook};
 pub(crate) use calibrate::{Calibration, CalibrationError, MAX_RESIDUAL_MM, four_point};
 pub(crate) use document::{DocumentError, Form, parse_part, parse_setup, write_setup};
 pub(crate) use faults::Faults;
