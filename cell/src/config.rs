@@ -103,6 +103,9 @@ pub(crate) struct VirtualControllerSection {
     pub(crate) ports: BTreeMap<u16, u16>,
     /// Where its panel listens, a loopback `address:port`; no panel where absent.
     pub(crate) panel: Option<String>,
+    /// What the panel lets its visitors do.
+    #[serde(default)]
+    pub(crate) panel_access: PanelAccess,
     /// Where the arm stands at power-on, pendant joints; the model's home where absent.
     pub(crate) start_joints_deg: Option<[f64; 6]>,
     /// Controller seconds in a second.
@@ -111,6 +114,17 @@ pub(crate) struct VirtualControllerSection {
     /// What happens to a second client while the first is served.
     #[serde(default)]
     pub(crate) second_client: SecondClientWord,
+}
+
+/// What a panel lets its visitors do: whoever reaches its loopback address.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum PanelAccess {
+    /// Look.
+    #[default]
+    LookOnly,
+    /// Operate the controller and break it on purpose, as `cellctl emulator` does.
+    Control,
 }
 
 /// What happens to a second client.

@@ -9,12 +9,13 @@ use api::Tier;
 use karel_emulator::cell_server::STATUS_PORT;
 use karel_emulator::gripper::GripperConfig;
 use karel_emulator::{
-    Clock, ControllerConfig, PeerLabels, ProgramSource, SecondClient, VirtualController,
+    Clock, ControlAccess, ControllerConfig, PeerLabels, ProgramSource, SecondClient,
+    VirtualController,
 };
 use kinematics::{ArmModel, PendantJoints};
 use server::config::{CellSection, RobotSection};
 
-use crate::config::{Runs, SecondClientWord, VirtualControllerSection};
+use crate::config::{PanelAccess, Runs, SecondClientWord, VirtualControllerSection};
 use crate::plant::ControllerAt;
 use crate::world::World;
 
@@ -166,6 +167,10 @@ fn prepare(
             .parse()
             .with_context(|| format!("{key}.panel: `{panel}` is not `address:port`"))?;
         config.panel = Some(address);
+        config.control = match section.panel_access {
+            PanelAccess::LookOnly => ControlAccess::LookOnly,
+            PanelAccess::Control => ControlAccess::Control,
+        };
     }
     let scale = section.time_scale;
     let clock = Clock::scaled(scale)
