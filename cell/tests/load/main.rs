@@ -25,7 +25,7 @@ use usage::Usage;
 use worker::Worker;
 
 /// Seconds of the cells in a second.
-const SCALE: f64 = 10.0;
+const SCALE: f64 = 4.0;
 /// Minutes of the cells.
 const MINUTES: f64 = 20.0;
 

@@ -43,6 +43,13 @@ impl Cell {
                 .is_some_and(|s| s.ready && matches!(s.safety, Safety::Normal | Safety::Reduced))
     }
 
+    /// An arm of the point that is known and not heard now: nobody is permitted at the point meanwhile.
+    pub(crate) fn unheard_at(&self, point: &str) -> Option<&str> {
+        let point = self.setup.point(point)?;
+        let unheard = |arm: &&String| self.live.arms.get(*arm).is_some_and(|a| !a.seen.link);
+        point.arms.iter().find(unheard).map(String::as_str)
+    }
+
     pub(crate) fn arm_in_zone(&self, arm: &str, zone: &str) -> bool {
         self.live
             .arms

@@ -148,10 +148,7 @@ impl Work<'_> {
             .arms
             .iter()
             .any(|arm| self.cell.arm_in_zone(arm, &point.zone));
-        let unheard = point
-            .arms
-            .iter()
-            .any(|a| self.cell.live.arms.get(a).is_some_and(|l| !l.seen.link));
+        let unheard = self.cell.unheard_at(&session.point).is_some();
         if permit == Permit::MrMove && arm_inside {
             self.interlock(
                 &job,

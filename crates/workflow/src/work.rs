@@ -87,8 +87,8 @@ impl<'a> Work<'a> {
         }
         debug_assert!(
             false,
-            "a decision does not come to rest: {:?}",
-            self.facts.last()
+            "a decision does not come to rest: {:#?}",
+            self.facts.iter().rev().take(24).collect::<Vec<_>>()
         );
     }
 

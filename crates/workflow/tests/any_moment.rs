@@ -107,3 +107,13 @@ fn f8_a_lost_link_at_any_moment_needs_nobody() {
         }
     });
 }
+
+/// Another arm of the same point is not heard for a while: nobody is permitted there, and then all goes on.
+#[test]
+fn f8_another_arm_of_the_point_that_is_not_heard_needs_nobody() {
+    at_any_moment("another arm unheard", |w, _job| {
+        w.arms.get_mut("r2").unwrap().link = false;
+        let _over = w.run(3_000, |_| false);
+        w.arms.get_mut("r2").unwrap().link = true;
+    });
+}

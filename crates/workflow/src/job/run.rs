@@ -141,6 +141,10 @@ impl Work<'_> {
         let Some(session) = self.cell.session_of(job) else {
             return Ok(());
         };
+        // Where another arm of the point is not heard, no permit would last; see `supervise_session`.
+        if let Some(arm) = self.cell.unheard_at(&session.point) {
+            return Err(format!("arm {arm} of {} is not heard", session.point));
+        }
         let from = session.faulted.map_or(session.state, |(from, _)| from);
         if from.is_docked() {
             let live = self.cell.live.mobiles.get(&session.mobile_robot);
