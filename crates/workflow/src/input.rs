@@ -37,6 +37,12 @@ pub struct ArmSeen {
     pub ready: bool,
     /// Nothing moves.
     pub still: bool,
+    /// A human has it: the pendant is enabled, or the mode is not AUTO.
+    #[serde(default)]
+    pub manual: bool,
+    /// It stands elsewhere than where the last motion of a job left it: somebody else moved it (C10).
+    #[serde(default)]
+    pub displaced: bool,
     /// Safety state.
     pub safety: Safety,
     /// Zones its tool center point is in.

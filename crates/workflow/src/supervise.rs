@@ -114,6 +114,9 @@ impl Work<'_> {
             );
             return;
         }
+        if self.supervise_hand(job, &arm) {
+            return;
+        }
         if !self.cell.live.jobs_may_act
             && !held
             && job.state != JobState::Stopping
