@@ -28,6 +28,10 @@ pub enum Safety {
 /// What was seen of an arm. Send one whenever something changes and at least every half of
 /// [`crate::Timers::arm_silence_ms`].
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is one thing that is seen"
+)]
 pub struct ArmSeen {
     /// Which arm.
     pub arm: String,
