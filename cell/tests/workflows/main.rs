@@ -6,6 +6,7 @@
     reason = "helpers of tests: a failure here fails the test"
 )]
 
+mod c10;
 mod chance;
 mod child;
 mod crashes;

@@ -217,6 +217,13 @@ impl Work<'_> {
             intervention: question.id,
             decided,
         });
+        let goes_on = matches!(
+            answer,
+            Answer::Resume | Answer::Replan | Answer::Retreat | Answer::Cancel
+        );
+        if goes_on && job.waits_for_hand() {
+            self.decided_by_hand(job);
+        }
         let Some(job) = self.job(job.id) else {
             return Ok(Reply::Done);
         };
@@ -234,7 +241,7 @@ impl Work<'_> {
             Answer::Retreat => {
                 self.put_steps_back(job);
                 if let Some(job) = self.job(job.id) {
-                    self.add_back_out(&job);
+                    self.leave_first(&job);
                     self.resume_or_undo(&job, &why, &reason);
                 }
             }
@@ -416,6 +423,10 @@ impl Work<'_> {
         }
         let Some(job) = self.job(job.id) else { return };
         self.put_steps_back(&job);
+        if job.is_displaced() {
+            self.leave_first(&job);
+        }
+        let Some(job) = self.job(job.id) else { return };
         self.resume_or_undo(&job, why, reason);
     }
 

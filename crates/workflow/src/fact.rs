@@ -212,6 +212,10 @@ pub enum Fact {
         kind: String,
         location: Location,
     },
+    /// A human had the arm between two steps, and moved it or not: nothing moves until one says how to go on (C10).
+    ArmByHand { job: Uuid, displaced: bool },
+    /// One said how.
+    ArmByHandDecided { job: Uuid },
     /// A load is somewhere else now.
     CustodyMoved {
         load: String,

@@ -10,7 +10,7 @@ use crate::fact::{Fact, Rewind};
 use crate::ids::Millis;
 use crate::input::OpResult;
 use crate::intervention::Intervention;
-use crate::job::{Compensation, FaultNote, Job, JobState, Step, StepState, Why};
+use crate::job::{ByHand, Compensation, FaultNote, Job, JobState, Step, StepState, Why};
 use crate::session::{Session, SessionState};
 use crate::signal::{Message, OutMessage, Signal, SignalAnswer, SignalKind};
 use crate::timers::TimerKey;
@@ -61,6 +61,7 @@ impl Cell {
                     items: items.clone(),
                     steps: Vec::new(),
                     near: None,
+                    by_hand: None,
                     compensation: Compensation::None,
                     redispatches: 0,
                     loads_accepted: false,
@@ -83,6 +84,7 @@ impl Cell {
                     j.text.clone_from(text);
                     if *to == JobState::Idle {
                         (j.steps, j.near, j.session) = (Vec::new(), None, None);
+                        j.by_hand = None;
                         (j.compensation, j.loads_accepted) = (Compensation::None, false);
                         j.redispatches = 0;
                     }
@@ -138,6 +140,20 @@ impl Cell {
             Fact::Redispatched { job } => {
                 self.job_mut(job, |j| j.redispatches = j.redispatches.saturating_add(1));
             }
+            Fact::ArmByHand { job, displaced } => self.job_mut(job, |j| {
+                let before = j.by_hand.is_some_and(|by| by.displaced);
+                j.by_hand = Some(ByHand {
+                    displaced: *displaced || before,
+                    decided: false,
+                });
+            }),
+            Fact::ArmByHandDecided { job } => self.job_mut(job, |j| {
+                // Where the arm was moved it stays known until it is at its safe pose.
+                j.by_hand = j.by_hand.filter(|by| by.displaced).map(|by| ByHand {
+                    decided: true,
+                    ..by
+                });
+            }),
             Fact::Claimed { by, resources } => self.book.claims.claim(*by, resources),
             Fact::Released { by, resources } => {
                 self.book.claims.release(*by, resources.as_deref());
@@ -157,6 +173,7 @@ impl Cell {
                     state: OpState::Running,
                 };
                 drop(self.book.ops.insert(*op, new));
+                self.moves_on(arm);
                 self.job_mut(job, |j| {
                     if let Action::Move { target, .. } = action
                         && let Some(place) = target.place()
@@ -447,6 +464,7 @@ impl Cell {
             return;
         };
         let _planned = self.live.planned.remove(op);
+        self.moves_on(&ended.arm);
         let succeeded = match (&ended.action, result) {
             (Action::Move { .. }, OpResult::Arrived) => true,
             (Action::Precheck { .. }, OpResult::Prechecked { failures }) => failures.is_empty(),
@@ -481,9 +499,16 @@ impl Cell {
                 step.done_ops += usize::from(succeeded);
             }
             if safe && succeeded {
-                j.near = None;
+                (j.near, j.by_hand) = (None, None);
             }
         });
+    }
+
+    /// Where an arm was seen to stand is overtaken by its next operation.
+    fn moves_on(&mut self, arm: &str) {
+        if let Some(live) = self.live.arms.get_mut(arm) {
+            live.seen.displaced = false;
+        }
     }
 
     fn fold_signal(&mut self, fresh: bool, signal: &Signal, answer: &SignalAnswer) {

@@ -28,6 +28,10 @@ pub enum Safety {
 /// What was seen of an arm. Send one whenever something changes and at least every half of
 /// [`crate::Timers::arm_silence_ms`].
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is one thing that is seen"
+)]
 pub struct ArmSeen {
     /// Which arm.
     pub arm: String,
@@ -37,6 +41,12 @@ pub struct ArmSeen {
     pub ready: bool,
     /// Nothing moves.
     pub still: bool,
+    /// A human has it: the pendant is enabled, or the mode is not AUTO.
+    #[serde(default)]
+    pub manual: bool,
+    /// It stands elsewhere than where the last motion of a job left it: somebody else moved it (C10).
+    #[serde(default)]
+    pub displaced: bool,
     /// Safety state.
     pub safety: Safety,
     /// Zones its tool center point is in.

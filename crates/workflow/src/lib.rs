@@ -29,6 +29,7 @@
 
 mod answer;
 mod book;
+mod by_hand;
 mod cell;
 mod claims;
 mod commands_in;

@@ -34,6 +34,10 @@ impl Work<'_> {
         self.supervise_doubts();
     }
 
+    #[expect(
+        clippy::too_many_lines,
+        reason = "a list: what is looked at, the worst first"
+    )]
     fn supervise_job(&mut self, job: &Arc<Job>) {
         let Some(arm) = job.arm.clone() else { return };
         let Some(live) = self.cell.live.arms.get(&arm).cloned() else {
@@ -112,6 +116,9 @@ impl Work<'_> {
                     ..Reaction::default()
                 },
             );
+            return;
+        }
+        if self.supervise_hand(job, &arm) {
             return;
         }
         if !self.cell.live.jobs_may_act

@@ -135,6 +135,8 @@ fn input(cell: &Cell, now: u64, kind: u8, n: u64, seq: &mut u64) -> Input {
             link: n % 23 != 0,
             ready: n % 29 != 0,
             still: n % 5 != 0,
+            manual: n % 31 == 0,
+            displaced: n % 37 == 0,
             safety: match n % 41 {
                 0 => Safety::EmergencyStop,
                 1 => Safety::ProtectiveStop,

@@ -11,6 +11,7 @@
 
 mod arm;
 mod clock;
+mod displaced;
 mod driver;
 mod handle;
 mod ids;

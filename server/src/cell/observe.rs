@@ -3,15 +3,17 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use protocol::v2::StatusLine;
+use protocol::v2::{OperatingMode, StatusLine};
 use tokio::sync::watch;
 use tokio::time::{Instant, timeout_at};
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 use workflow::{ArmSeen, Safety};
 
+use super::displaced::Whereabouts;
 use crate::link::cell_server::{CellServerLink, ControllerView};
 use crate::setup::SetupBook;
+use crate::state::Robot;
 
 /// Even where nothing changes the cell is told this often, so that silence means something.
 const AT_LEAST: Duration = Duration::from_secs(1);
@@ -22,15 +24,28 @@ const SRVO: u32 = 11;
 
 /// Publishes what is seen of an arm until `stop` is cancelled.
 pub(crate) fn observe(
-    arm: String,
+    robot: Arc<Robot>,
     link: &CellServerLink,
     setup: Arc<SetupBook>,
-    time_scale: f64,
+    principal: String,
     tracker: &TaskTracker,
     stop: CancellationToken,
 ) -> watch::Receiver<ArmSeen> {
     let mut views = link.watch();
-    let first = seen(&arm, &views.borrow(), &setup);
+    let time_scale = robot.plan.time_scale;
+    let arm = robot.plan.id.clone();
+    let mut whereabouts = Whereabouts::default();
+    let mut look = move |view: &ControllerView| {
+        let mut seen = seen(&arm, view, &setup);
+        seen.displaced = match &view.status {
+            Some(status) if seen.link => {
+                whereabouts.is_displaced(status, &robot.motions.book, &principal)
+            }
+            Some(_) | None => false,
+        };
+        seen
+    };
+    let first = look(&views.borrow());
     let (publish, watch) = watch::channel(first);
     let at_least = AT_LEAST.div_f64(time_scale.max(0.01));
     drop(tracker.spawn(async move {
@@ -41,7 +56,7 @@ pub(crate) fn observe(
                 None | Some(Ok(Err(_))) => return,
                 Some(Ok(Ok(())) | Err(_)) => {}
             }
-            let now = seen(&arm, &views.borrow_and_update(), &setup);
+            let now = look(&views.borrow_and_update());
             let due = told.elapsed() >= at_least;
             if due || *publish.borrow() != now {
                 told = Instant::now();
@@ -61,6 +76,8 @@ fn seen(arm: &str, view: &ControllerView, setup: &SetupBook) -> ArmSeen {
         link,
         ready: link && is_ours_alone,
         still: link && line.is_some_and(|line| !line.moving),
+        manual: link && line.is_some_and(|line| line.pendant || line.mode != OperatingMode::Auto),
+        displaced: false,
         safety: line.filter(|_| link).map_or(Safety::Unknown, safety),
         zones: line.map_or_else(Vec::new, |line| {
             let joints = line.joints.degrees().map(|joint| joint.0);

@@ -91,6 +91,8 @@ pub(crate) fn subject(fact: &Fact) -> Subject {
         | Fact::CompensationMoved { job, .. }
         | Fact::LoadsAccepted { job }
         | Fact::Redispatched { job }
+        | Fact::ArmByHand { job, .. }
+        | Fact::ArmByHandDecided { job }
         | Fact::TransportBegun { job, .. } => Subject::Job(*job),
         Fact::OpStarted { op, job, .. } => Subject::Opens {
             job: *job,

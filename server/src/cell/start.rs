@@ -97,11 +97,12 @@ impl Parts<'_> {
         });
         numbered
             .map(|(robot, link)| {
+                let control = Claim::of_jobs(Arc::clone(self.control));
                 let seen = observe(
-                    robot.plan.id.clone(),
+                    Arc::clone(robot),
                     link,
                     Arc::clone(self.setup),
-                    robot.plan.time_scale,
+                    control.actor().to_owned(),
                     self.tracker,
                     self.stop.clone(),
                 );
@@ -109,7 +110,7 @@ impl Parts<'_> {
                     robot: Arc::clone(robot),
                     link: link.clone(),
                     setup: Arc::clone(self.setup),
-                    control: Claim::of_jobs(Arc::clone(self.control)),
+                    control,
                     keys: self.keys.clone(),
                     seen,
                 };

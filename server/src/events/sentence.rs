@@ -144,6 +144,20 @@ fn of_job(known: &Known, fact: &Fact) -> Option<Said> {
             job,
             "the mobile robot is called anew".to_owned(),
         ),
+        Fact::ArmByHand { job, displaced } => (
+            "robocell.job.arm-by-hand",
+            job,
+            if *displaced {
+                "the arm was moved by hand".to_owned()
+            } else {
+                "the pendant was enabled, or the mode changed".to_owned()
+            },
+        ),
+        Fact::ArmByHandDecided { job } => (
+            "robocell.job.arm-by-hand-decided",
+            job,
+            "a person said how the arm goes on".to_owned(),
+        ),
         Fact::OpStarted {
             job,
             step,

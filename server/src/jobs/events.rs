@@ -210,6 +210,11 @@ impl Teller {
             )),
             Fact::CompensationMoved { to, .. } => Told::of(format!("undoing: {}", word(to))),
             Fact::LoadsAccepted { .. } => Told::of("the loads are accepted as they are"),
+            Fact::ArmByHand {
+                displaced: true, ..
+            } => Told::of("the arm was moved by hand"),
+            Fact::ArmByHand { .. } => Told::of("the arm is, or was, in a human's hand"),
+            Fact::ArmByHandDecided { .. } => Told::of("a human said how the arm goes on"),
             Fact::Redispatched { .. } => Told::of("a mobile robot is called again"),
             Fact::Claimed { resources, .. } => Told::of(format!("claimed: {}", names(resources))),
             Fact::Released { by, resources } => match (by, resources) {

@@ -12,7 +12,7 @@ use tokio::sync::Notify;
 use tokio::time::{Instant, timeout_at};
 use uuid::{ContextV7, Uuid};
 
-use super::record::{Asked, Progress, Record};
+use super::record::{Asked, End, Progress, Record};
 use crate::request_id::RequestId;
 
 /// How many motions a robot remembers.
@@ -164,6 +164,26 @@ impl Book {
 
     pub(crate) fn first_doubt(&self) -> Option<Uuid> {
         self.lock().doubts.first().copied()
+    }
+
+    /// The newest motion of `principal` that may have moved the arm, and how it ended. `None` while any motion is
+    /// under way, and where there was none.
+    pub(crate) fn left_by(&self, principal: &str) -> Option<(Uuid, Asked, End)> {
+        let kept = self.lock();
+        let newest_first = || kept.slots.iter().rev().map(|slot| &slot.record);
+        if newest_first().any(|record| record.progress.end().is_none()) {
+            return None;
+        }
+        newest_first()
+            .filter(|record| &*record.principal == principal && record.asked.output.is_none())
+            .find_map(|record| match record.progress.end()? {
+                // The arm stayed where it was.
+                End::Rejected { .. } | End::NotExecuted { .. } => None,
+                end @ (End::Accepted
+                | End::Succeeded { .. }
+                | End::Interrupted { .. }
+                | End::InDoubt { .. }) => Some((record.id, record.asked, end.clone())),
+            })
     }
 
     /// The motions that wait for the link.

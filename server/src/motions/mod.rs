@@ -39,7 +39,9 @@ pub(crate) use idempotency::{InFlight, KeyGuard, RequestKey};
 use numbered::Leftover;
 pub(crate) use numbered::Numbered;
 pub(crate) use plans::{KEPT as PLAN_KEPT, Plan, Planned, Plans};
-pub(crate) use record::{Asked, End, Progress, Record, Speed, point_of_thousandths};
+pub(crate) use record::{
+    Asked, End, Progress, Record, Speed, apart, point_of_thousandths, thousandths_of,
+};
 pub(crate) use seed::{Accepted, CommandFailure, Start, Started, no_base, problem_of};
 
 use crate::clock::WallClock;

@@ -208,6 +208,15 @@ pub struct FaultNote {
     pub text: String,
 }
 
+/// A human had the arm of a job between two of its steps (C10).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct ByHand {
+    /// The arm is not where the job left it: its first way is to the safe pose.
+    pub displaced: bool,
+    /// A human said how to go on.
+    pub decided: bool,
+}
+
 /// A job.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Job {
@@ -228,6 +237,7 @@ pub(crate) struct Job {
     pub steps: Vec<Step>,
     /// The place the arm may be near; `None`: outside, at its safe pose.
     pub near: Option<PlaceRef>,
+    pub by_hand: Option<ByHand>,
     pub compensation: Compensation,
     pub redispatches: u8,
     /// A human accepted loads that do not match.
@@ -268,6 +278,28 @@ impl Job {
         self.steps.iter().any(|s| {
             s.plan.phase == phase && matches!(s.state, StepState::Succeeded | StepState::Skipped)
         })
+    }
+
+    /// The arm is not where the job left it.
+    pub(crate) fn is_displaced(&self) -> bool {
+        self.by_hand.is_some_and(|by| by.displaced)
+    }
+
+    /// A human had the arm, and nobody has said yet how to go on.
+    pub(crate) fn waits_for_hand(&self) -> bool {
+        self.by_hand.is_some_and(|by| !by.decided)
+    }
+
+    /// It has moved its arm, and is not done with it. Before, wherever the arm stands is where the job begins.
+    pub(crate) fn is_between_motions(&self) -> bool {
+        let moves = |s: &&Step| s.plan.phase.is_arm_work() && s.plan.phase != Phase::Precheck;
+        let begun = self
+            .steps
+            .iter()
+            .filter(moves)
+            .any(|s| s.done_ops > 0 || s.state == StepState::Succeeded);
+        let left = self.steps.iter().filter(moves).any(|s| !s.state.is_done());
+        (begun || self.near.is_some()) && left
     }
 
     /// Whether steps may make progress.

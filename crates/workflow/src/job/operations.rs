@@ -46,6 +46,15 @@ pub(crate) fn operations(job: &Job, step: usize) -> Vec<Action> {
         target,
         docked: None,
     };
+    // From where a hand left it no straight line is known to be free: each joint turns to the safe pose, slowly.
+    if step.plan.phase == Phase::BackOut && job.is_displaced() {
+        return vec![Action::Move {
+            target: Target::Safe,
+            interpolation: Interpolation::Joint,
+            speed: Speed::Reduced,
+            docked: None,
+        }];
+    }
     let Some(place) = place else {
         return vec![to(Target::Safe)];
     };
@@ -124,7 +133,7 @@ impl Work<'_> {
     /// Starts the next operation of a step, or ends the step.
     pub(crate) fn run_operations(&mut self, job: &Job, step: usize) {
         let Some(found) = job.step(step) else { return };
-        if found.op.is_some() {
+        if found.op.is_some() || job.waits_for_hand() {
             return;
         }
         let Some(arm) = job.arm.clone() else { return };

@@ -306,6 +306,15 @@ impl Work<'_> {
         if stopping && self.undo_needs_session(job) {
             return;
         }
+        // Out first: what else runs begins anew behind it.
+        if let Some(step) = job
+            .steps
+            .iter()
+            .position(|s| s.plan.phase == Phase::BackOut && s.state == StepState::Running)
+        {
+            self.run_operations(job, step);
+            return;
+        }
         for (index, step) in job.steps.iter().enumerate() {
             let counts = !stopping || step.plan.undo;
             let ready = step

@@ -33,7 +33,7 @@ impl Work<'_> {
             item.load.is_some() && item.load.as_deref() == self.cell.book.custody.in_gripper(&arm)
         });
         let mut b = Builder::after(job.steps.len(), true);
-        if job.near.is_some() {
+        if job.near.is_some() || job.is_displaced() {
             let _out = b.then(Phase::BackOut, None, None);
         }
         if let Some((index, item)) = held {

@@ -76,6 +76,10 @@ pub struct ArmTruth {
     pub holds: Option<String>,
     pub link: bool,
     pub ready: bool,
+    /// The pendant is enabled.
+    pub manual: bool,
+    /// A human moved it since its last motion.
+    pub displaced: bool,
     pub safety: Safety,
     /// What the controller remembers of operations.
     pub done: BTreeMap<Uuid, OpResult>,
@@ -321,6 +325,8 @@ impl World {
             holds: None,
             link: true,
             ready: true,
+            manual: false,
+            displaced: false,
             safety: Safety::Normal,
             done: BTreeMap::new(),
             asked: BTreeSet::new(),
@@ -602,12 +608,26 @@ impl World {
                 self.results
                     .push((now + 30, op, OpResult::Prechecked { failures }));
             }
-            Action::Move { target, .. } => {
+            Action::Move {
+                target,
+                interpolation,
+                speed,
+                ..
+            } => {
                 assert!(
                     arm.moving.is_none(),
                     "two motions at once\n{}",
                     self.log.join("\n")
                 );
+                if std::mem::take(&mut arm.displaced) {
+                    assert!(
+                        matches!(target, Target::Safe)
+                            && interpolation == workflow::Interpolation::Joint
+                            && speed == workflow::Speed::Reduced,
+                        "from where it was jogged the arm goes to its safe pose, not to {target:?} {interpolation:?}\n{}",
+                        self.log.join("\n")
+                    );
+                }
                 if std::mem::take(&mut arm.swallow_next) {
                     return;
                 }
@@ -987,6 +1007,8 @@ impl World {
                 link: arm.link,
                 ready: arm.link && arm.ready,
                 still: arm.link && arm.moving.is_none(),
+                manual: arm.manual,
+                displaced: arm.displaced,
                 safety: arm.safety,
                 zones: if self.arm_inside(arm) || arm.at.is_none() && self.was_inside(arm) {
                     vec![ZONE.into()]

@@ -105,6 +105,8 @@ impl World {
             link: true,
             ready: true,
             still: true,
+            manual: false,
+            displaced: false,
             safety: Safety::Normal,
             zones: Vec::new(),
             part_present: None,

@@ -44,4 +44,4 @@ pub(crate) use order::Rejection;
 pub(crate) use order::{Instruction, MotionEnd, MotionObserver, MotionOrder};
 pub(crate) use plan::CellServerPlan;
 pub(crate) use readiness::NotReady;
-pub(crate) use view::{ControllerView, Phase};
+pub(crate) use view::{ControllerView, Observed, Phase};
