@@ -67,9 +67,11 @@ async fn a_target_out_of_reach_raises_motn_018() {
 }
 
 #[tokio::test]
-async fn a_linear_motion_is_refused_and_not_pretended() {
-    let (_cell, alarm) = refused("$MOTYPE = LINEAR ; p.z = p.z + 10").await;
-    assert!(alarm.contains("LINEAR is not simulated"), "{alarm}");
+async fn a_circular_motion_without_a_via_is_refused_and_so_is_no_motion_type() {
+    let (_cell, alarm) = refused("$MOTYPE = CIRCULAR ; p.z = p.z + 10").await;
+    assert!(alarm.contains("needs a VIA"), "{alarm}");
+    let (_cell, alarm) = refused("$MOTYPE = 3").await;
+    assert!(alarm.contains("is no motion type"), "{alarm}");
 }
 
 #[tokio::test]

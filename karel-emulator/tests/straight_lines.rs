@@ -1,4 +1,4 @@
-//! Motions of TP programs: straight lines that are straight, percentages, and what is refused.
+//! Motions of TP and KAREL programs: straight lines that are straight, arcs that are round, percentages, and what is refused.
 #![allow(
     clippy::unwrap_used,
     clippy::indexing_slicing,
@@ -213,4 +213,214 @@ async fn a_taught_position_in_another_frame_is_refused() {
         "{alarms:?}"
     );
     assert!(cell.controller.ledger().await.unwrap().is_empty());
+}
+
+/// Looks at the whole motion of a cell that has just started its second one: how far the tool is from the circle of
+/// `radius` about `center` in the plane `x = 900`, the poses it passed, and the fastest it was.
+async fn around(cell: &Stepped, center: [f64; 2], radius: f64) -> (f64, Vec<[f64; 3]>, f64) {
+    while cell.controller.ledger().await.unwrap().len() < 3 {
+        cell.advance(0.002).await;
+    }
+    let (mut off, mut passed, mut fastest) = (0.0_f64, Vec::<[f64; 3]>::new(), 0.0_f64);
+    loop {
+        let state = cell.controller.state().await.unwrap();
+        let p = state.pose;
+        let from_center = (p.y_mm - center[0]).hypot(p.z_mm - center[1]);
+        off = off
+            .max((from_center - radius).abs())
+            .max((p.x_mm - 900.0).abs());
+        if let Some([y, z, _]) = passed.last() {
+            fastest = fastest.max((p.y_mm - y).hypot(p.z_mm - z) / 0.004);
+        }
+        passed.push([p.y_mm, p.z_mm, p.p_deg]);
+        if !state.moving {
+            return (off, passed, fastest);
+        }
+        cell.advance(0.004).await;
+    }
+}
+
+const ON_THE_LEFT: [f64; 6] = [900.0, 200.0, 700.0, 180.0, 0.0, 0.0];
+const ON_TOP: [f64; 6] = [900.0, 0.0, 900.0, 180.0, 10.0, 0.0];
+const BELOW: [f64; 6] = [900.0, 0.0, 500.0, 180.0, 0.0, 0.0];
+
+#[tokio::test]
+async fn an_arc_is_round_passes_its_middle_and_keeps_its_speed() {
+    // Three quarters of a circle, the long way around.
+    let positions = position(1, ON_THE_LEFT) + &position(2, ON_TOP) + &position(3, BELOW);
+    let lines = ["J P[1] 100% FINE", "C P[2]\n    :  P[3] 300mm/sec FINE"];
+    let cell = cell(&lines, &positions);
+    cell.advance(0.001).await;
+    let (off, passed, fastest) = around(&cell, [0.0, 700.0], 200.0).await;
+    assert!(off < 0.02, "{off} mm beside the circle");
+    assert!((fastest - 300.0).abs() < 1.0, "{fastest} mm/s");
+    let top = passed
+        .iter()
+        .min_by(|a, b| (a[0].abs() - a[1]).total_cmp(&(b[0].abs() - b[1])))
+        .unwrap();
+    assert!(
+        (top[1] - 900.0).abs() < 1.0 && (top[2] - 10.0).abs() < 0.5,
+        "{top:?}"
+    );
+    assert!(
+        passed.iter().any(|p| (p[0] + 200.0).abs() < 1.0),
+        "not over the right"
+    );
+    let last = passed.last().unwrap();
+    assert!(
+        (last[1] - 500.0).abs() < 1e-3 && last[2].abs() < 1e-3,
+        "{last:?}"
+    );
+    let ends = kinds(&cell).await.split_off(2);
+    assert_eq!(
+        ends,
+        [
+            (Started, MotionKind::Circular),
+            (Finished, MotionKind::Circular)
+        ]
+    );
+}
+
+#[tokio::test]
+async fn a_karel_move_goes_along_the_same_line_or_arc() {
+    let program = "PROGRAM arc
+VAR p, via : XYZWPR
+BEGIN
+  $UTOOL = $MNUTOOL[1,1]
+  p = POS(900, 200, 700, 180, 0, 0, $NILPOS.CONFIG_DATA)
+  MOVE TO p
+  $MOTYPE = CIRCULAR
+  $SPEED = 250
+  via = p ; via.y = 0 ; via.z = 900
+  p.y = -200
+  MOVE TO p VIA via
+  $MOTYPE = LINEAR
+  p.y = 200
+  MOVE TO p NOWAIT
+END arc
+";
+    let program = program.replace(", $NILPOS.CONFIG_DATA", ", c");
+    let program = program.replace(
+        "via : XYZWPR\n",
+        "via : XYZWPR\n    c : CONFIG\n    s : INTEGER\n",
+    );
+    let program = program.replace("BEGIN\n", "BEGIN\n  CNV_STR_CONF('N U T', c, s)\n");
+    let mut config = ControllerConfig::new("karel", arm());
+    config = config.with_program(ProgramSource::new("arc.kl", program));
+    let cell = Stepped::start(&config);
+    cell.advance(0.001).await;
+    let (mut highest, mut off) = (0.0_f64, 0.0_f64);
+    while kinds(&cell).await.len() < 6 {
+        cell.advance(0.004).await;
+        if kinds(&cell).await.len() == 3 {
+            let p = cell.controller.state().await.unwrap().pose;
+            highest = highest.max(p.z_mm);
+            off = off.max((p.y_mm.hypot(p.z_mm - 700.0) - 200.0).abs());
+        }
+    }
+    assert!(
+        (highest - 900.0).abs() < 0.1 && off < 0.02,
+        "{highest}, {off}"
+    );
+    let seen: Vec<MotionKind> = kinds(&cell).await.into_iter().map(|e| e.1).collect();
+    let [joint, arc, line] = [MotionKind::Joint, MotionKind::Circular, MotionKind::Linear];
+    assert_eq!(seen, [joint, joint, arc, arc, line, line]);
+}
+
+#[tokio::test]
+async fn an_arc_that_does_not_exist_is_an_alarm_and_no_motion() {
+    let on_the_line = [900.0, 0.0, 700.0, 180.0, 0.0, 0.0];
+    let behind_it = [900.0, -200.0, 700.0, 180.0, 0.0, 0.0];
+    let cases = [
+        (on_the_line, behind_it, "100mm/sec", "on one line"),
+        (ON_TOP, ON_THE_LEFT, "100mm/sec", "at the same place"),
+        (ON_TOP, ON_TOP, "100mm/sec", "at the same place"),
+        (
+            ON_TOP,
+            [900.0, 0.0, 500.0, 0.0, 0.0, 0.0],
+            "100mm/sec",
+            "half a turn",
+        ),
+        (
+            ON_TOP,
+            [900.0, -3000.0, 700.0, 180.0, 0.0, 0.0],
+            "100mm/sec",
+            "MOTN-018",
+        ),
+        (ON_TOP, BELOW, "2001mm/sec", "speed is 2001"),
+    ];
+    for (via, end, speed, reason) in cases {
+        let positions = position(1, ON_THE_LEFT) + &position(2, via) + &position(3, end);
+        let circle = format!("C P[2]\n    :  P[3] {speed} FINE");
+        let cell = cell(&["J P[1] 100% FINE", &circle], &positions);
+        cell.advance(0.001).await;
+        cell.until_standstill().await;
+        cell.advance(0.1).await;
+        let last = cell.controller.ledger().await.unwrap().pop().unwrap();
+        assert_eq!(last.event, LedgerEvent::Refused, "{reason}");
+        assert_eq!(last.kind, MotionKind::Circular);
+        let alarm = last.alarm.unwrap();
+        assert!(alarm.contains(reason), "{reason}: {alarm}");
+        assert!(!cell.controller.state().await.unwrap().moving);
+    }
+}
+
+#[tokio::test]
+async fn offsets_shift_the_target_in_the_user_frame_and_in_the_tool() {
+    // The tool looks down: its X is that of the world, its Z and Y are turned around.
+    for (line, wanted) in [
+        ("L P[1] 500mm/sec FINE Offset,PR[1]", [890.0, 230.0, 705.0]),
+        (
+            "L P[1] 500mm/sec FINE Tool_Offset,PR[1]",
+            [890.0, 170.0, 695.0],
+        ),
+        ("L P[1] 500mm/sec CNT50 ACC50 Offset", [890.0, 230.0, 705.0]),
+    ] {
+        let lines = [
+            "J P[1] 100% FINE",
+            "PR[1,1]=(-10)",
+            "PR[1,2]=30",
+            "PR[1,3]=5",
+            "OFFSET CONDITION PR[1]",
+            line,
+        ];
+        let cell = cell(&lines, &position(1, ON_THE_LEFT));
+        cell.advance(0.001).await;
+        while kinds(&cell).await.len() < 4 {
+            cell.advance(0.05).await;
+        }
+        let p = cell.controller.state().await.unwrap().pose;
+        for (is, wanted) in [p.x_mm, p.y_mm, p.z_mm].into_iter().zip(wanted) {
+            assert!((is - wanted).abs() < 1e-2, "{line}: {p}");
+        }
+    }
+}
+
+#[tokio::test]
+async fn a_skip_condition_ends_the_motion_and_without_it_the_label_is_next() {
+    let target = [900.0, -200.0, 700.0, 180.0, 0.0, 0.0];
+    let positions = position(1, ON_THE_LEFT) + &position(2, target);
+    for (flag, ended, register) in [
+        ("F[1]=(ON)", LedgerEvent::Cancelled, 1),
+        ("F[1]=(OFF)", LedgerEvent::Finished, 2),
+    ] {
+        let lines = [
+            "J P[1] 100% FINE",
+            flag,
+            "SKIP CONDITION F[1]=ON",
+            "L P[2] 200mm/sec FINE Skip,LBL[1]",
+            "MESSAGE[part 1]",
+            "END",
+            "LBL[1]",
+            "MESSAGE[part 2]",
+        ];
+        let cell = cell(&lines, &positions);
+        cell.advance(0.001).await;
+        while cell.controller.screen().await.unwrap().is_empty() {
+            cell.advance(0.05).await;
+        }
+        assert_eq!(kinds(&cell).await.pop().unwrap().0, ended, "{flag}");
+        let screen = cell.controller.screen().await.unwrap();
+        assert_eq!(screen, [format!("part {register}")]);
+    }
 }

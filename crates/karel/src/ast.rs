@@ -317,6 +317,8 @@ pub(crate) enum StmtKind {
     WaitFor(Conditions),
     MoveTo {
         target: Expr,
+        /// `VIA`: a position on the arc of a circular motion.
+        via: Option<Expr>,
         waits: Waits,
         /// Conditions that are looked at while it moves.
         whens: Vec<When>,

@@ -116,6 +116,8 @@ pub enum HandAction {
 pub struct MotionRequest {
     /// Where `$UTOOL` goes to in `$UFRAME`, millimeters and degrees.
     pub target: XyzwprExt,
+    /// `VIA`: a position on the arc of a circular motion.
+    pub via: Option<XyzwprExt>,
     /// Motion group, from 1.
     pub group: i32,
     /// Whether the statement waits.
@@ -133,6 +135,8 @@ pub enum Interpolation {
     Joint,
     /// `L`: the tool center point on a straight line.
     Linear,
+    /// `C`: the tool center point on an arc through [`TpMotion::via`].
+    Circular,
 }
 
 /// Where a motion of a TP program goes to.
@@ -156,8 +160,10 @@ pub enum TpSpeed {
 /// A motion instruction of a TP program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TpMotion {
-    /// `J` or `L`.
+    /// `J`, `L` or `C`.
     pub interpolation: Interpolation,
+    /// Of a `C`: a position on the arc between the start and the target.
+    pub via: Option<TpTarget>,
     /// Where to.
     pub target: TpTarget,
     /// How fast.

@@ -190,6 +190,8 @@ pub(crate) enum Outward {
     /// The address of the variable.
     DisconnectTimer,
     Move(Waits),
+    /// As `Move`; the position below the target is on the arc.
+    MoveVia(Waits),
     /// An instruction of a TP program, by a row of its table.
     Tp(u32),
 }

@@ -195,12 +195,17 @@ impl Printer {
             StmtKind::DisconnectTimer(timer) => self.timer("disconnect", timer),
             StmtKind::MoveTo {
                 target,
+                via,
                 waits,
                 whens,
                 until,
             } => {
                 let word = if *waits == Waits::No { " nowait" } else { "" };
-                let mut head = format!("move-to {}{word}", expr(target));
+                let mut head = format!("move-to {}", expr(target));
+                if let Some(via) = via {
+                    let _ = write!(head, " (via {})", expr(via));
+                }
+                head.push_str(word);
                 if let Some(until) = until {
                     let _ = write!(head, " (until {})", conditions_text(until));
                 }

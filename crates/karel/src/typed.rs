@@ -99,6 +99,7 @@ pub(crate) enum StmtKind {
     WaitFor(Conditions),
     MoveTo {
         target: Expr,
+        via: Option<Expr>,
         waits: Waits,
         whens: Vec<When>,
         until: Option<Conditions>,

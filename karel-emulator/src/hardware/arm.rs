@@ -1,6 +1,6 @@
 //! The arm: motions in, ledger entries out.
 
-use karel::{MotionId, MotionRequest, Progress, Status, TaskId, Value, Wait};
+use karel::{MotionId, MotionRequest, Progress, Status, TaskId, TpTarget, Value, Wait};
 use kinematics::PendantJoints;
 use units::MmPerSec;
 
@@ -13,6 +13,11 @@ use crate::sysvars::codes::motype;
 
 /// MOTN-999: this controller does not simulate what the program asks for. A number of our own.
 const MOTN_NOT_SIMULATED: Status = Status::new(15, 999);
+
+/// MOTN-054: a position on the arc is missing, or there is one that nothing needs.
+///
+/// ASSUMPTION: the number is from memory of error lists; and that a VIA which no arc needs is refused.
+const MOTN_VIA: Status = Status::new(15, 54);
 
 /// MOTN-998: the motion was cancelled. A number of our own.
 const MOTN_CANCELLED: Status = Status::new(15, 998);
@@ -48,16 +53,10 @@ impl Hardware {
             origin: self.origins.get(&task).cloned().unwrap_or_default(),
         };
         let planned = self
-            .joint_motion()
-            .and_then(|()| self.may_move())
+            .may_move()
             .and_then(|()| only_group(request.group))
             .and_then(|()| speed.map_err(|status| Refusal::new(status, "$SPEED has no value")))
-            .and_then(|speed| {
-                let to = self.solve(request)?;
-                let from = self.executor.tail();
-                let model = self.planner.model();
-                Ok(Path::joint(model, from, to, MmPerSec(speed)))
-            });
+            .and_then(|speed| self.karel_path(request, speed));
         Progress::Ready(self.take_planned(task, &tag, planned))
     }
 
@@ -170,19 +169,38 @@ impl Hardware {
         }
     }
 
-    fn joint_motion(&self) -> Result<(), Refusal> {
-        match self.variables.integer("$MOTYPE") {
-            Ok(motype::JOINT) => Ok(()),
-            Ok(motype::LINEAR) => Err(not_simulated("$MOTYPE = LINEAR")),
-            Ok(motype::CIRCULAR) => Err(not_simulated("$MOTYPE = CIRCULAR")),
-            Ok(other) => Err(not_simulated(&format!("$MOTYPE = {other}"))),
-            Err(status) => Err(Refusal::new(status, "$MOTYPE has no value")),
-        }
-    }
-
-    fn solve(&self, request: &MotionRequest) -> Result<PendantJoints, Refusal> {
+    /// The way of a MOVE, as `$MOTYPE` says.
+    fn karel_path(&self, request: &MotionRequest, speed: f64) -> Result<Path, Refusal> {
         let (frame, tool) = self.frames()?;
-        self.planner.joints(&request.target, &frame, &tool)
+        let from = self.executor.tail();
+        let motype = self.variables.integer("$MOTYPE");
+        let motype = motype.map_err(|status| Refusal::new(status, "$MOTYPE has no value"))?;
+        let target = TpTarget::Cartesian(request.target);
+        let (frames, speeds) = ((&frame, &tool), (speed, 1.0));
+        match (motype, request.via) {
+            (motype::CIRCULAR, Some(via)) => {
+                let via = TpTarget::Cartesian(via);
+                self.planner.circular(from, (&via, &target), frames, speeds)
+            }
+            (motype::CIRCULAR, None) => {
+                let text = "A MOVE with $MOTYPE = CIRCULAR needs a VIA";
+                Err(Refusal::new(MOTN_VIA, text))
+            }
+            (motype::JOINT | motype::LINEAR, Some(_)) => {
+                let text = "A MOVE with VIA needs $MOTYPE = CIRCULAR";
+                Err(Refusal::new(MOTN_VIA, text))
+            }
+            (motype::JOINT, None) => {
+                let to = self.planner.joints(&request.target, &frame, &tool)?;
+                let model = self.planner.model();
+                Ok(Path::joint(model, from, to, MmPerSec(speed)))
+            }
+            (motype::LINEAR, None) => self.planner.linear(from, &target, frames, speeds),
+            (other, _) => {
+                let text = format!("$MOTYPE = {other} is no motion type");
+                Err(Refusal::new(MOTN_NOT_SIMULATED, text))
+            }
+        }
     }
 
     fn enqueue(&mut self, tag: &MotionTag, path: Path) -> MotionId {
@@ -290,7 +308,7 @@ impl Hardware {
         }
     }
 
-    /// Only refused motions can be anything but joint motions in this version.
+    /// As `$MOTYPE` says.
     fn kind(&self) -> MotionKind {
         match self.variables.integer("$MOTYPE") {
             Ok(motype::LINEAR) => MotionKind::Linear,
@@ -352,13 +370,6 @@ pub(super) fn only_group(group: i32) -> Result<(), Refusal> {
         let text = format!("motion group {group} does not exist, this controller has group 1 only");
         Err(Refusal::new(Status::MOTN_UNREACHABLE, text))
     }
-}
-
-fn not_simulated(what: &str) -> Refusal {
-    Refusal::new(
-        MOTN_NOT_SIMULATED,
-        format!("{what} is not simulated yet, only JOINT is"),
-    )
 }
 
 fn to_micros(seconds: f64) -> f64 {

@@ -181,7 +181,7 @@ impl Hardware {
                 let model = self.planner.model();
                 Ok(Path::joint_at(model, from, to, part, acceleration))
             }
-            (Interpolation::Linear, TpSpeed::MmPerSec(speed)) => {
+            (Interpolation::Linear | Interpolation::Circular, TpSpeed::MmPerSec(speed)) => {
                 let limit = SPEED_LIMIT.0;
                 let speed = f64::from(speed);
                 if !(speed > 0.0 && speed <= limit) {
@@ -190,11 +190,17 @@ impl Hardware {
                     ));
                 }
                 let frames = (&frame, &tool);
-                self.planner
-                    .linear(from, &motion.target, frames, (speed, acceleration))
+                let speeds = (speed, acceleration);
+                match &motion.via {
+                    None => self.planner.linear(from, &motion.target, frames, speeds),
+                    Some(via) => {
+                        let through = (via, &motion.target);
+                        self.planner.circular(from, through, frames, speeds)
+                    }
+                }
             }
             (Interpolation::Joint, TpSpeed::MmPerSec(_))
-            | (Interpolation::Linear, TpSpeed::Percent(_)) => {
+            | (Interpolation::Linear | Interpolation::Circular, TpSpeed::Percent(_)) => {
                 refused("The unit of the speed does not fit the motion".to_owned())
             }
         }
@@ -220,6 +226,7 @@ fn speed_of(motion: &TpMotion) -> (MotionKind, f64, Option<f64>) {
     let kind = match motion.interpolation {
         Interpolation::Joint => MotionKind::Joint,
         Interpolation::Linear => MotionKind::Linear,
+        Interpolation::Circular => MotionKind::Circular,
     };
     match motion.speed {
         TpSpeed::MmPerSec(speed) => (kind, f64::from(speed), None),

@@ -1,15 +1,18 @@
-//! A straight line of the tool center point, checked along the whole way before the arm moves.
+//! A straight line or an arc of the tool center point, checked along the whole way before the arm moves.
 
 use karel::Status;
-use kinematics::{ArmModel, Axis, Configuration, Frames, IkError, PendantJoints, Pose, Seed};
+use kinematics::{
+    ArmModel, Axis, Configuration, Frames, IkError, PendantJoints, Pose, PoseError, Seed,
+};
 
+use super::arc::Arc;
 use super::path::{INTERPOLATION_PERIOD_S, Path};
 use super::planner::{Refusal, ik_refusal};
 
 /// Acceleration of the tool center point, mm/s².
 ///
 /// ASSUMPTION: this and the next two are of the size that arms of this class have; no document gives them.
-const ACCELERATION: f64 = 3000.0;
+pub(super) const ACCELERATION: f64 = 3000.0;
 /// Greatest speed of a change of orientation, deg/s.
 const ROTATION_SPEED: f64 = 180.0;
 /// Acceleration of a change of orientation, deg/s².
@@ -20,7 +23,7 @@ const FEWEST_SAMPLES: f64 = 16.0;
 const MOST_SAMPLES: f64 = 4000.0;
 
 /// A larger change of orientation has no shortest rotation, within the rounding of a position.
-const MOST_ROTATION_DEG: f64 = 179.99;
+pub(super) const MOST_ROTATION_DEG: f64 = 179.99;
 
 /// MOTN-023: the way runs through a singularity.
 ///
@@ -56,13 +59,7 @@ pub fn plan(
     (speed_mm_s, acceleration): (f64, f64),
 ) -> Result<Path, Refusal> {
     let branch = model.configuration(&from);
-    if !branch.same_branch(target.configuration) {
-        let text = format!(
-            "the target is in the configuration {}, a straight line keeps that of the start, {branch}",
-            target.configuration
-        );
-        return Err(Refusal::new(MOTN_CONFIGURATION, text));
-    }
+    check_branch(branch, target)?;
     let start = frames.tcp_in_user_frame(&model.forward(&from));
     let (length, angle) = start.distance_to(&target.tcp);
     let (length, angle) = (length.0, angle.0.to_degrees());
@@ -70,6 +67,62 @@ pub fn plan(
         let text = "the orientation changes by half a turn, so no rotation is the shortest";
         return Err(Refusal::new(Status::MOTN_UNREACHABLE, text));
     }
+    let course = Course::Straight(start, target.tcp);
+    travel(
+        (model, frames),
+        (from, branch),
+        &course,
+        (length, angle),
+        (speed_mm_s, acceleration),
+    )
+}
+
+/// The way of the tool center point from `from` on the circle through `via` to `target`, otherwise as [`plan`].
+///
+/// # Errors
+/// As [`plan`]; and positions through which no circle goes.
+pub fn plan_arc(
+    model: &ArmModel,
+    frames: &Frames,
+    from: PendantJoints,
+    (via, target): (&Pose, &LinearTarget),
+    (speed_mm_s, acceleration): (f64, f64),
+) -> Result<Path, Refusal> {
+    let branch = model.configuration(&from);
+    check_branch(branch, target)?;
+    let start = frames.tcp_in_user_frame(&model.forward(&from));
+    let arc = Arc::through(&start, via, &target.tcp)?;
+    let way = (arc.length(), arc.turning_deg());
+    let speed = arc.possible_speed(speed_mm_s, acceleration);
+    let course = Course::Arc(arc);
+    travel(
+        (model, frames),
+        (from, branch),
+        &course,
+        way,
+        (speed, acceleration),
+    )
+}
+
+fn check_branch(branch: Configuration, target: &LinearTarget) -> Result<(), Refusal> {
+    if branch.same_branch(target.configuration) {
+        return Ok(());
+    }
+    let text = format!(
+        "the target is in the configuration {}, the way of the tool keeps that of the start, {branch}",
+        target.configuration
+    );
+    Err(Refusal::new(MOTN_CONFIGURATION, text))
+}
+
+/// Samples the course, which is `length` mm long and turns by `angle` degrees, and checks each sample.
+fn travel(
+    (model, frames): (&ArmModel, &Frames),
+    (from, branch): (PendantJoints, Configuration),
+    course: &Course,
+    (length, angle): (f64, f64),
+    (speed_mm_s, acceleration): (f64, f64),
+) -> Result<Path, Refusal> {
     let limit = |straight: f64, turning: f64| (straight / length).min(turning / angle);
     let rate = limit(speed_mm_s, ROTATION_SPEED);
     let slope = limit(
@@ -86,8 +139,7 @@ pub fn plan(
     let way = Way {
         model,
         frames,
-        start,
-        end: target.tcp,
+        course,
         branch,
     };
     let mut samples = vec![from];
@@ -109,20 +161,36 @@ pub fn plan(
         .ok_or_else(|| Refusal::new(Status::MOTN_UNREACHABLE, "the way has no length"))
 }
 
+/// The way of the tool center point in the user frame.
+enum Course {
+    Straight(Pose, Pose),
+    Arc(Arc),
+}
+
+impl Course {
+    fn at(&self, share: f64) -> Result<Pose, PoseError> {
+        match self {
+            Course::Straight(start, end) => {
+                Pose::try_from_isometry(start.isometry().lerp_slerp(end.isometry(), share))
+            }
+            Course::Arc(arc) => arc.at(share),
+        }
+    }
+}
+
 struct Way<'a> {
     model: &'a ArmModel,
     frames: &'a Frames,
-    start: Pose,
-    end: Pose,
+    course: &'a Course,
     branch: Configuration,
 }
 
 impl Way<'_> {
     /// The joints at this share of the way, near those before it.
     fn at(&self, share: f64, before: &PendantJoints) -> Result<PendantJoints, Refusal> {
-        let (start, end) = (self.start.isometry(), self.end.isometry());
-        let tcp = start.lerp_slerp(end, share);
-        let tcp = Pose::try_from_isometry(tcp)
+        let tcp = self
+            .course
+            .at(share)
             .map_err(|error| Refusal::new(Status::MOTN_UNREACHABLE, error.to_string()))?;
         let flange = self.frames.flange_in_world(&tcp);
         let solution = self

@@ -3,6 +3,7 @@
 //! [`profile`] says how far along a path the arm is, [`path`] maps that to six joints, [`executor`] owns the
 //! motion that runs and the one that waits, and [`planner`] turns a Cartesian target into joints or into an alarm.
 
+mod arc;
 pub mod executor;
 pub mod linear;
 pub mod path;

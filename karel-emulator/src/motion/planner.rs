@@ -107,14 +107,33 @@ impl Planner {
         (user_frame, tool): (&Position, &Position),
         speeds: (f64, f64),
     ) -> Result<Path, Refusal> {
-        let refused = |what: &str, error: &PoseError| {
-            let text = format!("{what} is not a pose: {error}");
-            Refusal::new(Status::MOTN_UNREACHABLE, text)
-        };
-        let frames = frames(user_frame, tool).map_err(|(what, error)| refused(what, &error))?;
-        let target = match target {
+        let frames = checked_frames(user_frame, tool)?;
+        let target = self.way_point(target, &frames)?;
+        linear::plan(&self.model, &frames, from, &target, speeds)
+    }
+
+    /// The way of the tool from `from` on the circle through `via` to `target`.
+    ///
+    /// # Errors
+    /// As [`linear::plan_arc`]; a position or a frame that is no pose.
+    pub fn circular(
+        &self,
+        from: PendantJoints,
+        (via, target): (&TpTarget, &TpTarget),
+        (user_frame, tool): (&Position, &Position),
+        speeds: (f64, f64),
+    ) -> Result<Path, Refusal> {
+        let frames = checked_frames(user_frame, tool)?;
+        let via = self.way_point(via, &frames)?;
+        let target = self.way_point(target, &frames)?;
+        linear::plan_arc(&self.model, &frames, from, (&via.tcp, &target), speeds)
+    }
+
+    fn way_point(&self, target: &TpTarget, frames: &Frames) -> Result<LinearTarget, Refusal> {
+        Ok(match target {
             TpTarget::Cartesian(position) => LinearTarget {
-                tcp: pose(&Position::from(*position)).map_err(|e| refused("the position", &e))?,
+                tcp: pose(&Position::from(*position))
+                    .map_err(|error| not_a_pose("the position", &error))?,
                 configuration: configuration(position.config),
             },
             TpTarget::Joints(joints) => {
@@ -124,8 +143,7 @@ impl Planner {
                     configuration: self.model.configuration(&joints),
                 }
             }
-        };
-        linear::plan(&self.model, &frames, from, &target, speeds)
+        })
     }
 
     /// Whether the arm may stand at these joints.
@@ -253,6 +271,15 @@ pub(super) fn ik_refusal(error: &IkError) -> Refusal {
             format!("Position not reachable: {error}"),
         ),
     }
+}
+
+fn not_a_pose(what: &str, error: &PoseError) -> Refusal {
+    let text = format!("{what} is not a pose: {error}");
+    Refusal::new(Status::MOTN_UNREACHABLE, text)
+}
+
+fn checked_frames(user_frame: &Position, tool: &Position) -> Result<Frames, Refusal> {
+    frames(user_frame, tool).map_err(|(what, error)| not_a_pose(what, &error))
 }
 
 fn frames(user_frame: &Position, tool: &Position) -> Result<Frames, (&'static str, PoseError)> {

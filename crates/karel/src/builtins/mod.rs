@@ -25,7 +25,7 @@ use crate::{
         cell::{Address, Cell, Memory},
         fault::Fault,
         semaphore::Semaphores,
-        task::Pending,
+        task::{Argument, Pending},
     },
     port::Comments,
     position::{JointPosition, XyzwprExt},
@@ -197,7 +197,6 @@ const PLANNED: &[&str] = &[
     "GET_POS_TYP",
     "GET_QUEUE",
     "GET_TPE_CMT",
-    "GET_TPE_PRM",
     "INI_DYN_DISB",
     "INI_DYN_DISE",
     "INI_DYN_DISI",
@@ -256,6 +255,8 @@ pub(crate) struct Context<'a> {
     pub(crate) semaphores: &'a mut Semaphores,
     /// Progress of a built-in that waits.
     pub(crate) pending: &'a mut Pending,
+    /// Arguments of the programs that were called, and how many callers there were.
+    pub(crate) arguments: &'a [(usize, Vec<Argument>)],
     pub(crate) comments: &'a mut Comments,
     pub(crate) running: Running<'a>,
     pub(crate) limits: &'a Limits,

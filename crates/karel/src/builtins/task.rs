@@ -7,7 +7,8 @@
 
 use super::{Builtin, Context, Outcome, Param, Returns};
 use crate::{
-    machine::{Loaded, StartError, cell::Cell, fault::Fault},
+    machine::{Loaded, StartError, cell::Cell, fault::Fault, task::Argument, tp_value},
+    registers::Number,
     run::TaskState,
     status::{Status, task},
     types::{Type, split_text_array},
@@ -21,6 +22,7 @@ pub(super) const TABLE: &[Builtin] = &[
     Builtin { name: "CALL_PROGLIN", params: &[Param::Text, Param::Integer, Param::InOutInteger, Param::Boolean], required: 4, returns: Returns::Nothing, code: |context| { let line = context.integer(1); call(context, line) } },
     Builtin { name: "CONT_TASK", params: &[Param::Text, Param::OutInteger], required: 2, returns: Returns::Nothing, code: cont_task },
     Builtin { name: "CURR_PROG", params: &[], required: 0, returns: Returns::Text, code: curr_prog },
+    Builtin { name: "GET_TPE_PRM", params: &[Param::Integer, Param::OutInteger, Param::OutInteger, Param::OutReal, Param::OutText, Param::OutInteger], required: 6, returns: Returns::Nothing, code: argument },
     Builtin { name: "GET_TSK_INFO", params: &[Param::InOutText, Param::InOutInteger, Param::Integer, Param::OutInteger, Param::OutText, Param::OutInteger], required: 6, returns: Returns::Nothing, code: get_tsk_info },
     Builtin { name: "PAUSE_TASK", params: &[Param::Text, Param::Boolean, Param::Boolean, Param::OutInteger], required: 4, returns: Returns::Nothing, code: pause_task },
     Builtin { name: "LOAD_STATUS", params: &[Param::Text, Param::OutBoolean, Param::OutBoolean], required: 3, returns: Returns::Nothing, code: load_status },
@@ -28,6 +30,30 @@ pub(super) const TABLE: &[Builtin] = &[
     Builtin { name: "SELECT_TPE", params: &[Param::Text, Param::OutInteger], required: 2, returns: Returns::Nothing, code: select },
     Builtin { name: "RUN_TASK", params: &[Param::Text, Param::Integer, Param::Boolean, Param::Boolean, Param::Integer, Param::OutInteger], required: 6, returns: Returns::Nothing, code: run_task },
 ];
+
+/// ASSUMPTION: the types are 1 INTEGER, 2 REAL, 3 STRING; only the variable of that type is written;
+/// an argument that was not given is status 12311.
+fn argument(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    let found = tp_value::argument(context.arguments, context.integer(0)).cloned();
+    let (kind, status) = match found {
+        Some(Argument::Number(Number::Integer(value))) => {
+            context.put(2, Cell::Integer(value));
+            (1, Status::OK)
+        }
+        Some(Argument::Number(Number::Real(value))) => {
+            context.put(3, Cell::Real(value));
+            (2, Status::OK)
+        }
+        Some(Argument::Text(text)) => {
+            context.put_text(4, Text::from(tp_value::text_bytes(&text).as_slice()));
+            (3, Status::OK)
+        }
+        None => (0, Status::INTP_UNINIT),
+    };
+    context.put(1, Cell::Integer(kind));
+    context.put_status(5, status);
+    Ok(Outcome::Done)
+}
 
 fn name(context: &Context<'_>, number: usize) -> String {
     context.text(number).to_string_lossless().trim().to_owned()

@@ -46,13 +46,14 @@ impl Checker<'_> {
 
     pub(super) fn move_to(
         &mut self,
-        target: &ast::Expr,
+        (target, via): (&ast::Expr, Option<&ast::Expr>),
         waits: ast::Waits,
         whens: &[ast::When],
         until: Option<&ast::Conditions>,
     ) -> Option<StmtKind> {
         let wanted = Type::Position(PositionKind::XyzwprExt);
         let target = self.expr_of(target, &wanted);
+        let via = via.map(|via| self.expr_of(via, &wanted));
         let whens = self.whens(whens)?;
         let until = match until {
             Some(conditions) => {
@@ -65,6 +66,7 @@ impl Checker<'_> {
         };
         Some(StmtKind::MoveTo {
             target,
+            via,
             waits,
             whens,
             until,

@@ -84,10 +84,11 @@ impl Checker<'_> {
             ast::StmtKind::DisconnectTimer(path) => self.timer(path).map(StmtKind::DisconnectTimer),
             ast::StmtKind::MoveTo {
                 target,
+                via,
                 waits,
                 whens,
                 until,
-            } => self.move_to(target, *waits, whens, until.as_ref()),
+            } => self.move_to((target, via.as_ref()), *waits, whens, until.as_ref()),
             ast::StmtKind::Condition {
                 number,
                 with,

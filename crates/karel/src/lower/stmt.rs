@@ -112,13 +112,21 @@ impl<'a> Lowering<'a> {
             StmtKind::DisconnectTimer(timer) => self.timer(timer, Outward::DisconnectTimer),
             StmtKind::MoveTo {
                 target,
+                via,
                 waits,
                 whens,
                 until,
             } => {
+                if let Some(via) = via {
+                    self.value(via);
+                }
                 self.value(target);
                 self.local_handler(whens, until.as_ref());
-                self.emit(Op::Outward(Outward::Move(*waits)));
+                self.emit(Op::Outward(if via.is_some() {
+                    Outward::MoveVia(*waits)
+                } else {
+                    Outward::Move(*waits)
+                }));
             }
             StmtKind::Condition {
                 number,

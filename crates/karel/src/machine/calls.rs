@@ -7,7 +7,7 @@ use super::{
     cell::{Cell, FileCell},
     exec::{Exec, Flow, row_of},
     fault::Fault,
-    task::{Caller, Ending, Signal},
+    task::{Argument, Caller, Ending, Signal},
 };
 use crate::{ast::TaskVerb, ir::External, program::Program, status::Status};
 
@@ -61,6 +61,21 @@ impl Exec<'_> {
         };
         let flow = self.enter(&loaded.program, 0)?;
         self.switch_program(index);
+        let depth = self.task.callers.len();
+        self.task.tp.arguments.push((depth, Vec::new()));
+        Ok(flow)
+    }
+
+    /// As [`Exec::call_program`], with arguments.
+    pub(super) fn call_with(
+        &mut self,
+        name: &str,
+        arguments: Vec<Argument>,
+    ) -> Result<Flow, Fault> {
+        let flow = self.call_program(name)?;
+        if let Some((_, given)) = self.task.tp.arguments.last_mut() {
+            *given = arguments;
+        }
         Ok(flow)
     }
 
@@ -138,6 +153,13 @@ impl Exec<'_> {
         let Some(caller) = self.task.callers.pop() else {
             return Flow::Ended;
         };
+        // They go away with the program that they were given to.
+        let depth = self.task.callers.len();
+        if let Some((of, _)) = self.task.tp.arguments.last()
+            && *of > depth
+        {
+            let _gone = self.task.tp.arguments.pop();
+        }
         self.task.frames.truncate(self.task.base);
         self.task.base = caller.base;
         self.task.routine = caller.routine;

@@ -19,6 +19,7 @@ pub(crate) mod task;
 mod tasks;
 mod timer;
 mod tp;
+pub(crate) mod tp_value;
 mod transfer;
 mod variables;
 

@@ -66,7 +66,8 @@ impl Exec<'_> {
                 self.timers.disconnect(at);
                 Ok(Flow::Next)
             }
-            Outward::Move(waits) => self.move_to(waits),
+            Outward::Move(waits) => self.move_to(waits, false),
+            Outward::MoveVia(waits) => self.move_to(waits, true),
             Outward::Tp(row) => self.tp(row),
         }
     }
@@ -87,6 +88,7 @@ impl Exec<'_> {
             registers: self.registers,
             semaphores: self.semaphores,
             pending: &mut self.task.pending,
+            arguments: &self.task.tp.arguments,
             comments: self.comments,
             running: Running {
                 name: &self.task.name,
@@ -159,24 +161,32 @@ impl Exec<'_> {
     }
 
     /// Conditions are looked at before the statement goes on.
-    fn moves_with_conditions(&mut self, motion: MotionId, waits: Waits) -> Flow {
+    fn moves_with_conditions(&mut self, motion: MotionId, waits: Waits, operands: usize) -> Flow {
         if waits == Waits::Yes {
             self.task.pending = Pending::Motion(motion);
         } else {
-            self.drop_operands(1);
+            self.drop_operands(operands);
             self.task.pc += 1;
         }
         Flow::Yield
     }
 
-    fn move_to(&mut self, waits: Waits) -> Result<Flow, Fault> {
+    fn move_to(&mut self, waits: Waits, has_via: bool) -> Result<Flow, Fault> {
+        let operands = 1 + usize::from(has_via);
         let motion = if let Pending::Motion(motion) = self.task.pending {
             motion
         } else {
             let at = self.operand_address(0);
             let target = self.memory().position(at, PositionKind::XyzwprExt)?;
+            let via = if has_via {
+                let at = self.operand_address(1);
+                Some(self.memory().position(at, PositionKind::XyzwprExt)?)
+            } else {
+                None
+            };
             let request = MotionRequest {
                 target,
+                via,
                 group: 1,
                 end: match waits {
                     Waits::Yes => MoveEnd::Wait,
@@ -195,7 +205,7 @@ impl Exec<'_> {
                 Progress::Pending(wait) => return Ok(Flow::Blocked(wait)),
                 Progress::Ready(Ok(motion)) => {
                     if self.local_starts(motion) {
-                        return Ok(self.moves_with_conditions(motion, waits));
+                        return Ok(self.moves_with_conditions(motion, waits, operands));
                     }
                     motion
                 }
@@ -215,7 +225,7 @@ impl Exec<'_> {
             }
             self.local_ends(motion);
         }
-        self.drop_operands(1);
+        self.drop_operands(operands);
         Ok(Flow::Next)
     }
 }

@@ -7,7 +7,9 @@ use crate::{
     ast::TaskVerb,
     error::RuntimeError,
     host::{MotionId, TaskId},
+    registers::Number,
     run::TaskState,
+    tp::Expr,
 };
 
 #[derive(Debug)]
@@ -56,6 +58,8 @@ pub(crate) struct Task {
     /// UNPAUSE: the actions call routines although the task is paused.
     pub(crate) unpaused: bool,
     pub(crate) ending: Ending,
+    /// Of TP programs.
+    pub(crate) tp: TpState,
 }
 
 impl Task {
@@ -84,6 +88,7 @@ impl Task {
             interrupted: false,
             unpaused: false,
             ending: Ending::No,
+            tp: TpState::default(),
         }
     }
 
@@ -111,6 +116,24 @@ impl Task {
         let enabled = self.handlers.iter().filter(|handler| handler.enabled);
         enabled.map(|handler| handler.next).min()
     }
+}
+
+/// What TP programs leave in their task.
+#[derive(Debug, Default)]
+pub(crate) struct TpState {
+    /// Arguments of programs that were called, and how many callers there were then.
+    pub(crate) arguments: Vec<(usize, Vec<Argument>)>,
+    pub(crate) skip: Option<Expr>,
+    /// The registers of `OFFSET CONDITION` and `TOOL_OFFSET CONDITION`.
+    pub(crate) offset: Option<i32>,
+    pub(crate) tool_offset: Option<i32>,
+}
+
+/// An argument of a CALL.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Argument {
+    Number(Number),
+    Text(String),
 }
 
 /// A condition handler that was defined.
@@ -229,6 +252,8 @@ pub(crate) enum Pending {
     },
     /// A motion that was started.
     Motion(MotionId),
+    /// A motion that its SKIP CONDITION ended.
+    Skipped(MotionId),
     /// When a built-in, or a WAIT of a TP program, gives up.
     Deadline(Duration),
     /// A PAUSE that paused.

@@ -5,20 +5,22 @@ use std::time::Duration;
 use super::{
     exec::{Exec, Flow, row_of},
     fault::Fault,
-    task::Pending,
+    task::{Argument, Pending},
+    tp_value::{Term, no_such, text_bytes},
 };
 use crate::{
-    ast::Relation,
+    frame::Frame,
     host::{Progress, TpMotion, TpSpeed, TpTarget, Wait},
-    port::PortValue,
+    port::{Port, PortValue},
+    position::XyzwprExt,
     registers::{Number, PositionRegister},
     status::Status,
     syspath::SysPath,
     tp::{
-        Arithmetic, Branch, Condition, Expr, Index, Instruction, Motion, MotionTarget, Operand,
-        Place, SpeedUnit, Taught, Test,
+        Branch, Call, Expr, ForHead, Index, Instruction, Motion, MotionTarget, Operand, Shift,
+        SpeedUnit, Taught,
     },
-    value::{SysValue, Value, real_of},
+    value::Value,
 };
 
 /// How often a WAIT for a condition looks.
@@ -26,43 +28,183 @@ use crate::{
 /// ASSUMPTION: one interpolation period.
 const LOOK: Duration = Duration::from_millis(8);
 
-/// A value of an instruction.
-#[derive(Clone, Debug, PartialEq)]
-enum Term {
-    Number(Number),
-    Switch(bool),
-    Position(PositionRegister),
-}
-
 impl Exec<'_> {
     pub(super) fn tp(&mut self, row: u32) -> Result<Flow, Fault> {
         let program = self.program;
         match row_of(&program.code.tp, row) {
             Instruction::Nothing => Ok(Flow::Next),
             Instruction::Jump(line) => Ok(self.jump(*line)),
-            Instruction::Assign { target, value } => self.tp_assign(*target, value),
+            Instruction::Assign { target, value } => self.tp_assign(target, value),
             Instruction::If { condition, then } => {
                 if !self.tp_holds(condition)? {
                     return Ok(Flow::Next);
                 }
-                match then {
-                    Branch::Jump(line) => Ok(self.jump(*line)),
-                    Branch::Call(name) => self.call_program(name),
-                }
+                self.tp_branch(then, None)
             }
-            Instruction::WaitSeconds(time) => self.tp_wait(*time),
-            Instruction::WaitFor(condition) => {
+            Instruction::Unless { condition, to } => {
                 if self.tp_holds(condition)? {
                     return Ok(Flow::Next);
                 }
-                Ok(Flow::Blocked(Wait::Until(self.host.now() + LOOK)))
+                Ok(self.jump(*to))
             }
-            Instruction::Call(name) => self.call_program(name),
+            Instruction::Case {
+                condition,
+                then,
+                behind,
+            } => {
+                if let Some(condition) = condition
+                    && !self.tp_holds(condition)?
+                {
+                    return Ok(Flow::Next);
+                }
+                self.tp_branch(then, Some(*behind))
+            }
+            Instruction::For { head, behind } => self.tp_for(head, *behind),
+            Instruction::EndFor { head, again } => self.tp_end_for(head, *again),
+            Instruction::WaitSeconds(time) => self.tp_wait(time),
+            Instruction::WaitFor { condition, timeout } => self.tp_wait_for(condition, *timeout),
+            Instruction::Call(call) => self.tp_call(call),
             Instruction::Run(name) => self.tp_run(name),
             Instruction::Move(motion) => self.tp_move(motion),
+            Instruction::Pulse(port, index, width) => self.tp_pulse((*port, *index), width),
+            Instruction::Message(text) => {
+                self.host.display(self.id, &text_bytes(text));
+                self.host.display(self.id, b"\r\n");
+                Ok(Flow::Next)
+            }
+            Instruction::SkipCondition(condition) => {
+                self.task.tp.skip = Some(condition.clone());
+                Ok(Flow::Next)
+            }
+            Instruction::OffsetCondition { tool, register } => {
+                let n = Some(self.tp_index(*register)?);
+                if *tool {
+                    self.task.tp.tool_offset = n;
+                } else {
+                    self.task.tp.offset = n;
+                }
+                Ok(Flow::Next)
+            }
+            Instruction::Override(percent) => {
+                let percent = self.tp_whole(percent, "OVERRIDE")?;
+                let path = SysPath::from_name("$MCR").field("$GENOVERRIDE");
+                self.tp_set_system(&path, Value::Integer(percent))?;
+                Ok(Flow::Next)
+            }
             Instruction::End => Ok(self.end_program()),
             Instruction::Abort => Ok(self.end_task()),
+            Instruction::Pause => {
+                self.task.paused = true;
+                self.task.pc += 1;
+                Ok(Flow::Yield)
+            }
         }
+    }
+
+    /// `behind`: where a program that is called comes back to, if not to the next line.
+    fn tp_branch(&mut self, then: &Branch, behind: Option<u32>) -> Result<Flow, Fault> {
+        match then {
+            Branch::Jump(line) => Ok(self.jump(*line)),
+            Branch::Call(call) => {
+                let flow = self.tp_call(call)?;
+                if let (Some(behind), Some(caller)) = (behind, self.task.callers.last_mut()) {
+                    caller.pc = behind as usize;
+                }
+                Ok(flow)
+            }
+            Branch::Assign(target, value) => {
+                let flow = self.tp_assign(target, value)?;
+                Ok(behind.map_or(flow, |behind| self.jump(behind)))
+            }
+        }
+    }
+
+    fn tp_call(&mut self, call: &Call) -> Result<Flow, Fault> {
+        let mut arguments = Vec::with_capacity(call.arguments.len());
+        for argument in &call.arguments {
+            arguments.push(match self.tp_operand(argument)? {
+                Term::Number(number) => Argument::Number(number),
+                Term::Text(text) => Argument::Text(text),
+                other @ (Term::Switch(_) | Term::Position(_)) => {
+                    let message = format!("{other:?} cannot be an argument of {}", call.program);
+                    return Err(Fault::new(Status::INTP_TYPE, message));
+                }
+            });
+        }
+        self.call_with(&call.program, arguments)
+    }
+
+    fn tp_for(&mut self, head: &ForHead, behind: u32) -> Result<Flow, Fault> {
+        let from = self.tp_whole(&head.from, "FOR")?;
+        let to = self.tp_whole(&head.to, "FOR")?;
+        let n = self.tp_index(head.counter)?;
+        self.tp_set_number(n, Number::Integer(from))?;
+        let nothing = if head.down { from < to } else { from > to };
+        Ok(if nothing {
+            self.jump(behind)
+        } else {
+            Flow::Next
+        })
+    }
+
+    /// ASSUMPTION: the counter keeps its last value; and the limit is looked at anew each time.
+    fn tp_end_for(&mut self, head: &ForHead, again: u32) -> Result<Flow, Fault> {
+        let to = self.tp_whole(&head.to, "FOR")?;
+        let n = self.tp_index(head.counter)?;
+        let now = self.tp_whole(&Operand::Number(Index::Fixed(n)), "FOR")?;
+        let more = if head.down { now > to } else { now < to };
+        if !more {
+            return Ok(Flow::Next);
+        }
+        let next = if head.down { now - 1 } else { now + 1 };
+        self.tp_set_number(n, Number::Integer(next))?;
+        Ok(self.jump(again))
+    }
+
+    /// ASSUMPTION: `$WAITTMOUT` is in hundredths of a second, 30 s if this controller has none.
+    fn tp_wait_for(&mut self, condition: &Expr, timeout: Option<u32>) -> Result<Flow, Fault> {
+        if self.tp_holds(condition)? {
+            self.task.pending = Pending::None;
+            return Ok(Flow::Next);
+        }
+        let look = self.host.now() + LOOK;
+        let Some(label) = timeout else {
+            return Ok(Flow::Blocked(Wait::Until(look)));
+        };
+        let until = if let Pending::Deadline(until) = self.task.pending {
+            until
+        } else {
+            let path = SysPath::from_name("$WAITTMOUT");
+            let hundredths = match self.host.system_variable(self.id, &path) {
+                Ok(Value::Integer(value)) => u64::try_from(value).unwrap_or(0),
+                Ok(_) | Err(_) => 3000,
+            };
+            self.host.now() + Duration::from_millis(hundredths * 10)
+        };
+        if self.host.now() >= until {
+            self.task.pending = Pending::None;
+            return Ok(self.jump(label));
+        }
+        self.task.pending = Pending::Deadline(until);
+        Ok(Flow::Blocked(Wait::Until(look.min(until))))
+    }
+
+    /// ASSUMPTION: the output is on for that time, whatever it was before, and then off; the next
+    /// line does not wait.
+    fn tp_pulse(&mut self, (port, index): (Port, Index), width: &Operand) -> Result<Flow, Fault> {
+        let n = self.tp_index(index)?;
+        let seconds = self.tp_real(width, "PULSE")?;
+        let width = Duration::try_from_secs_f32(seconds)
+            .map_err(|_| Fault::argument(format!("PULSE,{seconds}sec")))?;
+        let on = PortValue::Switch(true);
+        let set = self.host.set_port(self.id, port, n, on);
+        set.map_err(|status| no_such(port.name(), n, status))?;
+        let at = self.host.now().saturating_add(width);
+        let off = PortValue::Switch(false);
+        if !self.pulses.add(self.id, (port, n), off, at) {
+            return Err(Fault::new(Status::INTP_LIMIT, "Too many pulses"));
+        }
+        Ok(Flow::Next)
     }
 
     fn tp_run(&mut self, name: &str) -> Result<Flow, Fault> {
@@ -73,7 +215,7 @@ impl Exec<'_> {
         Ok(Flow::Next)
     }
 
-    fn tp_wait(&mut self, time: Operand) -> Result<Flow, Fault> {
+    fn tp_wait(&mut self, time: &Operand) -> Result<Flow, Fault> {
         if let Pending::Until(until) = self.task.pending {
             if self.host.now() < until {
                 return Ok(Flow::Blocked(Wait::Until(until)));
@@ -89,139 +231,8 @@ impl Exec<'_> {
         Ok(Flow::Blocked(Wait::Until(until)))
     }
 
-    fn tp_assign(&mut self, target: Place, value: &Expr) -> Result<Flow, Fault> {
-        let value = self.tp_value(value)?;
-        match (target, value) {
-            (Place::Number(index), Term::Number(value)) => {
-                let n = self.tp_index(index)?;
-                let set = self.registers.set_number(n, value);
-                set.map_err(|status| no_such("R", n, status))?;
-            }
-            (Place::Position(index), Term::Position(value)) => {
-                let n = self.tp_index(index)?;
-                let set = self.registers.set_position(n, value);
-                set.map_err(|status| no_such("PR", n, status))?;
-            }
-            (Place::Port(port, index), Term::Switch(on)) => {
-                let n = self.tp_index(index)?;
-                let set = self.host.set_port(self.id, port, n, PortValue::Switch(on));
-                set.map_err(|status| no_such(port.name(), n, status))?;
-            }
-            (Place::UserFrame, Term::Number(number)) => {
-                self.tp_frame("$MNUFRAMENUM", number)?;
-            }
-            (Place::Tool, Term::Number(number)) => self.tp_frame("$MNUTOOLNUM", number)?,
-            (place, value) => {
-                let message = format!("{place:?} cannot be {value:?}");
-                return Err(Fault::new(Status::INTP_TYPE, message));
-            }
-        }
-        Ok(Flow::Next)
-    }
-
-    fn tp_frame(&mut self, name: &str, number: Number) -> Result<(), Fault> {
-        let Number::Integer(number) = number else {
-            return Err(Fault::argument("The number of a frame is a whole number"));
-        };
-        let path = SysPath::from_name(name).index(&[1]);
-        let value = SysValue::Value(Value::Integer(number));
-        let set = self.host.set_system_variable(self.id, &path, value);
-        set.map_err(|status| Fault::new(status, format!("There is no frame {number}")))
-    }
-
-    fn tp_index(&self, index: Index) -> Result<i32, Fault> {
-        match index {
-            Index::Fixed(number) => Ok(number),
-            Index::Register(register) => match self.tp_register(register)? {
-                Number::Integer(number) => Ok(number),
-                Number::Real(value) => Err(Fault::argument(format!(
-                    "R[{register}] is {value}, no number of a register"
-                ))),
-            },
-        }
-    }
-
-    fn tp_register(&self, n: i32) -> Result<Number, Fault> {
-        self.registers
-            .number(n)
-            .map_err(|status| no_such("R", n, status))
-    }
-
-    fn tp_operand(&self, operand: Operand) -> Result<Term, Fault> {
-        Ok(match operand {
-            Operand::Integer(value) => Term::Number(Number::Integer(value)),
-            Operand::Real(value) => Term::Number(Number::Real(value)),
-            Operand::Switch(on) => Term::Switch(on),
-            Operand::Number(index) => Term::Number(self.tp_register(self.tp_index(index)?)?),
-            Operand::Position(index) => {
-                let n = self.tp_index(index)?;
-                let position = self.registers.position(n);
-                Term::Position(position.map_err(|status| no_such("PR", n, status))?.clone())
-            }
-            Operand::Port(port, index) => {
-                let n = self.tp_index(index)?;
-                match self.host.port(port, n) {
-                    Ok(PortValue::Switch(on)) => Term::Switch(on),
-                    Ok(PortValue::Number(value)) => Term::Number(Number::Integer(value)),
-                    Err(status) => return Err(no_such(port.name(), n, status)),
-                }
-            }
-        })
-    }
-
-    fn tp_real(&self, operand: Operand, what: &str) -> Result<f32, Fault> {
-        match self.tp_operand(operand)? {
-            Term::Number(Number::Integer(value)) => Ok(real_of(value)),
-            Term::Number(Number::Real(value)) => Ok(value),
-            Term::Switch(_) | Term::Position(_) => Err(Fault::new(
-                Status::INTP_TYPE,
-                format!("{what} needs a number"),
-            )),
-        }
-    }
-
-    fn tp_value(&self, value: &Expr) -> Result<Term, Fault> {
-        let mut result = self.tp_operand(value.first)?;
-        if value.negated {
-            let Term::Switch(on) = result else {
-                return Err(Fault::new(Status::INTP_TYPE, "`!` needs ON or OFF"));
-            };
-            result = Term::Switch(!on);
-        }
-        for (operator, operand) in &value.rest {
-            let (Term::Number(a), Term::Number(b)) = (result, self.tp_operand(*operand)?) else {
-                return Err(Fault::new(Status::INTP_TYPE, "A calculation needs numbers"));
-            };
-            result = Term::Number(calculate(*operator, a, b)?);
-        }
-        Ok(result)
-    }
-
-    fn tp_holds(&self, condition: &Condition) -> Result<bool, Fault> {
-        for test in &condition.tests {
-            if self.tp_test(test)? != condition.all {
-                return Ok(!condition.all);
-            }
-        }
-        Ok(condition.all)
-    }
-
-    fn tp_test(&self, test: &Test) -> Result<bool, Fault> {
-        let left = self.tp_operand(test.left)?;
-        let holds = match test.right {
-            None => match left {
-                Term::Switch(on) => on,
-                Term::Number(_) | Term::Position(_) => {
-                    return Err(Fault::new(Status::INTP_TYPE, "A condition needs ON or OFF"));
-                }
-            },
-            Some((relation, right)) => compare(&left, relation, &self.tp_operand(right)?)?,
-        };
-        Ok(holds != test.negated)
-    }
-
     fn tp_move(&mut self, motion: &Motion) -> Result<Flow, Fault> {
-        let id = if let Pending::Motion(id) = self.task.pending {
+        let id = if let Pending::Motion(id) | Pending::Skipped(id) = self.task.pending {
             id
         } else {
             let request = self.tp_request(motion)?;
@@ -233,54 +244,150 @@ impl Exec<'_> {
                 }
             }
         };
-        self.task.pending = Pending::Motion(id);
+        if !matches!(self.task.pending, Pending::Skipped(_)) {
+            self.task.pending = Pending::Motion(id);
+            if motion.skip.is_some() && self.tp_skips()? {
+                self.host.cancel_arm(self.id);
+                self.task.pending = Pending::Skipped(id);
+            }
+        }
         match self.host.motion_ended(id) {
+            // It looks at the SKIP CONDITION again and again.
+            Progress::Pending(_) if motion.skip.is_some() => {
+                Ok(Flow::Blocked(Wait::Until(self.host.now() + LOOK)))
+            }
             Progress::Pending(wait) => Ok(Flow::Blocked(wait)),
             Progress::Ready(status) if status.is_ok() => {
+                let skipped = matches!(self.task.pending, Pending::Skipped(_));
                 self.task.pending = Pending::None;
-                Ok(Flow::Next)
+                match motion.skip {
+                    Some(label) if !skipped => Ok(self.jump(label)),
+                    Some(_) | None => Ok(Flow::Next),
+                }
             }
             Progress::Ready(status) => Err(Fault::from_host(status, "The motion failed")),
         }
     }
 
-    fn tp_request(&self, motion: &Motion) -> Result<TpMotion, Fault> {
-        let target = match &motion.target {
-            MotionTarget::Register(index) => {
-                let n = self.tp_index(*index)?;
-                let position = self.registers.position(n);
-                match position.map_err(|status| no_such("PR", n, status))? {
-                    PositionRegister::Cartesian(position) => TpTarget::Cartesian(*position),
-                    PositionRegister::Joints(joints) => TpTarget::Joints(joints.clone()),
-                    PositionRegister::Unset => {
-                        let message = format!("PR[{n}] has no value");
-                        return Err(Fault::new(Status::INTP_UNINIT, message));
-                    }
-                }
-            }
-            MotionTarget::Taught(taught) => {
-                self.check_frames(taught)?;
-                taught.target.clone()
-            }
+    fn tp_skips(&mut self) -> Result<bool, Fault> {
+        let Some(condition) = self.task.tp.skip.clone() else {
+            let message = "Skip without a SKIP CONDITION";
+            return Err(Fault::new(Status::INTP_UNINIT, message));
         };
-        let speed = self.tp_real(motion.speed, "A speed")?;
+        self.tp_holds(&condition)
+    }
+
+    fn tp_request(&mut self, motion: &Motion) -> Result<TpMotion, Fault> {
+        let target = self.tp_target(&motion.target)?;
+        let via = match &motion.via {
+            Some(via) => Some(self.tp_target(via)?),
+            None => None,
+        };
+        let shifts = (motion.offset, motion.tool_offset);
+        let target = self.tp_shifted(target, shifts)?;
+        let via = match via {
+            Some(via) => Some(self.tp_shifted(via, shifts)?),
+            None => None,
+        };
+        let speed = self.tp_real(&motion.speed, "A speed")?;
         let speed = match motion.unit {
             SpeedUnit::Percent => TpSpeed::Percent(speed),
             SpeedUnit::MmPerSec => TpSpeed::MmPerSec(speed),
             SpeedUnit::CmPerMin => TpSpeed::MmPerSec(speed / 6.0),
         };
-        let acceleration_percent = match motion.acceleration {
+        let acceleration_percent = match &motion.acceleration {
             Some(operand) => self.tp_real(operand, "ACC")?,
             None => 100.0,
         };
         Ok(TpMotion {
             interpolation: motion.interpolation,
+            via,
             target,
             speed,
             acceleration_percent,
             program: self.program.name_arc(),
             line: self.line(),
         })
+    }
+
+    fn tp_target(&self, target: &MotionTarget) -> Result<TpTarget, Fault> {
+        match target {
+            MotionTarget::Register(index) => {
+                let n = self.tp_index(*index)?;
+                let position = self.registers.position(n);
+                match position.map_err(|status| no_such("PR", n, status))? {
+                    PositionRegister::Cartesian(position) => Ok(TpTarget::Cartesian(*position)),
+                    PositionRegister::Joints(joints) => Ok(TpTarget::Joints(joints.clone())),
+                    PositionRegister::Unset => {
+                        let message = format!("PR[{n}] has no value");
+                        Err(Fault::new(Status::INTP_UNINIT, message))
+                    }
+                }
+            }
+            MotionTarget::Taught(taught) => {
+                self.check_frames(taught)?;
+                Ok(taught.target.clone())
+            }
+        }
+    }
+
+    /// The target shifted by the registers of `Offset` and `Tool_Offset`.
+    ///
+    /// ASSUMPTION: an offset is a shift of the user frame, a tool offset one of the tool.
+    fn tp_shifted(
+        &self,
+        target: TpTarget,
+        (offset, tool_offset): (Shift, Shift),
+    ) -> Result<TpTarget, Fault> {
+        let state = &self.task.tp;
+        let offset = self.tp_shift(offset, state.offset)?;
+        let tool_offset = self.tp_shift(tool_offset, state.tool_offset)?;
+        if offset.is_none() && tool_offset.is_none() {
+            return Ok(target);
+        }
+        let TpTarget::Cartesian(pose) = target else {
+            let message = "An offset of a target in joints is not supported";
+            return Err(Fault::new(Status::INTP_TYPE, message));
+        };
+        let mut frame = Frame::from(&pose);
+        if let Some(offset) = offset {
+            frame = Frame::from(&offset).times(&frame);
+        }
+        if let Some(tool_offset) = tool_offset {
+            frame = frame.times(&Frame::from(&tool_offset));
+        }
+        let [x, y, z, w, p, r] = frame.components().map(narrow);
+        Ok(TpTarget::Cartesian(XyzwprExt {
+            x,
+            y,
+            z,
+            w,
+            p,
+            r,
+            ..pose
+        }))
+    }
+
+    fn tp_shift(&self, shift: Shift, condition: Option<i32>) -> Result<Option<XyzwprExt>, Fault> {
+        let n = match shift {
+            Shift::No => return Ok(None),
+            Shift::Register(index) => self.tp_index(index)?,
+            Shift::Condition => condition.ok_or_else(|| {
+                Fault::new(Status::INTP_UNINIT, "Offset without an OFFSET CONDITION")
+            })?,
+        };
+        match self.registers.position(n) {
+            Ok(PositionRegister::Cartesian(position)) => Ok(Some(*position)),
+            Ok(PositionRegister::Joints(_)) => {
+                let message = format!("PR[{n}] has joints, an offset needs a pose");
+                Err(Fault::new(Status::INTP_TYPE, message))
+            }
+            Ok(PositionRegister::Unset) => {
+                let message = format!("PR[{n}] has no value");
+                Err(Fault::new(Status::INTP_UNINIT, message))
+            }
+            Err(status) => Err(no_such("PR", n, status)),
+        }
     }
 
     /// A taught position is only good in the frames in which it was taught.
@@ -304,62 +411,7 @@ impl Exec<'_> {
     }
 }
 
-fn no_such(what: &str, n: i32, status: Status) -> Fault {
-    Fault::new(status, format!("There is no {what}[{n}]"))
-}
-
-fn calculate(operator: Arithmetic, a: Number, b: Number) -> Result<Number, Fault> {
-    if let (Number::Integer(a), Number::Integer(b)) = (a, b)
-        && operator != Arithmetic::Divide
-    {
-        if b == 0 && matches!(operator, Arithmetic::Div | Arithmetic::Mod) {
-            return Err(Fault::divide_by_zero());
-        }
-        let result = match operator {
-            Arithmetic::Add => a.checked_add(b),
-            Arithmetic::Subtract => a.checked_sub(b),
-            Arithmetic::Multiply => a.checked_mul(b),
-            Arithmetic::Div => a.checked_div(b),
-            Arithmetic::Mod => a.checked_rem(b),
-            Arithmetic::Divide => None,
-        };
-        return result.map(Number::Integer).ok_or_else(Fault::overflow);
-    }
-    let (a, b) = (real(a), real(b));
-    let result = match operator {
-        Arithmetic::Add => a + b,
-        Arithmetic::Subtract => a - b,
-        Arithmetic::Multiply => a * b,
-        Arithmetic::Divide | Arithmetic::Div | Arithmetic::Mod if b == 0.0 => {
-            return Err(Fault::divide_by_zero());
-        }
-        Arithmetic::Divide => a / b,
-        Arithmetic::Div => (a / b).trunc(),
-        Arithmetic::Mod => a % b,
-    };
-    super::finite(result).map(Number::Real)
-}
-
-fn real(number: Number) -> f32 {
-    match number {
-        Number::Integer(value) => real_of(value),
-        Number::Real(value) => value,
-    }
-}
-
-fn compare(left: &Term, relation: Relation, right: &Term) -> Result<bool, Fault> {
-    let order = match (left, right) {
-        (Term::Number(Number::Integer(a)), Term::Number(Number::Integer(b))) => a.cmp(b),
-        (Term::Number(a), Term::Number(b)) => super::arithmetic::order(real(*a), real(*b)),
-        (Term::Switch(a), Term::Switch(b))
-            if matches!(relation, Relation::Equal | Relation::NotEqual) =>
-        {
-            a.cmp(b)
-        }
-        _ => {
-            let message = format!("{left:?} cannot be compared with {right:?}");
-            return Err(Fault::new(Status::INTP_TYPE, message));
-        }
-    };
-    Ok(super::arithmetic::holds(relation, order))
+#[expect(clippy::cast_possible_truncation, reason = "positions have REALs")]
+fn narrow(value: f64) -> f32 {
+    value as f32
 }

@@ -118,6 +118,7 @@ impl Exec<'_> {
             Pending::None
             | Pending::Until(_)
             | Pending::Motion(_)
+            | Pending::Skipped(_)
             | Pending::Deadline(_)
             | Pending::Paused
             | Pending::GivesUp => (0, 1, self.deadline(file), false),

@@ -100,17 +100,21 @@ impl Parser<'_> {
             return Ok(self.unsupported_line(&what));
         }
         let target = self.expression()?;
+        let via = if self.at_word("VIA") {
+            self.position += 1;
+            Some(self.expression()?)
+        } else {
+            None
+        };
         let waits = if self.eat_keyword(Keyword::NoWait) {
             Waits::No
         } else {
             Waits::Yes
         };
-        if self.at_word("VIA") {
-            return Ok(self.unsupported_line("MOVE TO .. VIA"));
-        }
         let (whens, until) = self.move_clauses()?;
         Ok(StmtKind::MoveTo {
             target,
+            via,
             waits,
             whens,
             until,

@@ -1,267 +1,325 @@
 //! The instructions of a line, but motion.
 
 use super::{
-    Arithmetic, Branch, Condition, Expr, Index, Instruction, Operand, Place, Test,
+    Call, Expr, ForHead, Index, Instruction, Operand, Operator, Place,
     scan::{Scanned, Scanner},
 };
-use crate::{ast::Relation, port::Port};
+use crate::{ast::Relation, span::latin1};
 
-/// A line whose jumps still name labels.
+/// A line whose jumps still name labels, and whose blocks are not matched.
 #[derive(Debug)]
 pub(super) enum Line {
     Label(i32),
     Jump(i32),
-    IfJump(Condition, i32),
+    If(Expr, Then),
+    IfThen(Expr),
+    Else,
+    EndIf,
+    For(ForHead),
+    EndFor,
+    /// A case of a SELECT, the first one if `is_first`; the last one without a condition.
+    Case {
+        condition: Option<Expr>,
+        then: Then,
+        is_first: bool,
+    },
+    WaitFor(Expr, Option<i32>),
     Done(Instruction),
-    /// A motion, to a position of the `/POS` section if it has a number.
-    Move(super::Motion, Option<i32>),
+    /// A motion; its target, and the position on its arc, are of the `/POS` section if they have a
+    /// number.
+    Move {
+        motion: super::Motion,
+        target: Option<i32>,
+        via: Option<i32>,
+        skip: Option<i32>,
+    },
 }
 
-/// Operands by the word before their bracket.
-const PORTS: &[(&str, Port)] = &[
-    ("F", Port::Flag),
-    ("DI", Port::DigitalIn),
-    ("DO", Port::DigitalOut),
-    ("RI", Port::RobotIn),
-    ("RO", Port::RobotOut),
-];
-
-/// Tests of one condition, and terms of one sum.
-const MOST_TERMS: usize = 16;
+/// What follows a condition.
+#[derive(Debug)]
+pub(super) enum Then {
+    Jump(i32),
+    Call(Call),
+    Assign(Place, Expr),
+}
 
 /// Words of instructions that are TP and not run yet.
 const NOT_YET: &[&str] = &[
-    "ABORT",
-    "ACC",
-    "AR",
-    "C",
-    "CALL",
     "COL",
-    "DO",
-    "ELSE",
-    "ENDFOR",
-    "ENDIF",
-    "FOR",
-    "GI",
-    "GO",
+    "ERROR_PROG",
     "JOINT_MAX_SPEED",
     "LINEAR_MAX_SPEED",
-    "MESSAGE",
+    "LOCK",
     "MONITOR",
-    "OFFSET",
-    "OVERRIDE",
-    "PAUSE",
-    "PAYLOAD",
-    "PULSE",
+    "P",
+    "RESUME_PROG",
     "RSR",
-    "SELECT",
-    "SKIP",
-    "SR",
     "TIMER",
-    "TOOL_OFFSET",
     "UALM",
-    "UO",
+    "UNLOCK",
 ];
 
+/// Most arguments of a CALL.
+///
+/// ASSUMPTION: as many as manuals of the field name.
+const MOST_ARGUMENTS: usize = 10;
+
 impl Scanner<'_> {
-    /// The instruction of a line that is not empty.
-    pub(super) fn line(&mut self) -> Scanned<Line> {
+    /// The instruction of a line that is not empty. `selects` is what the lines of a SELECT before
+    /// it compare.
+    pub(super) fn line(&mut self, selects: &mut Option<Operand>) -> Scanned<Line> {
         if self.sees("!") || self.sees("//") || self.sees("--eg:") {
             return Ok(Line::Done(Instruction::Nothing));
         }
-        let line = if self.sees("LBL") {
-            Line::Label(self.label()?)
-        } else if self.eat_word("JMP") {
-            Line::Jump(self.label()?)
-        } else if self.eat_word("IF") {
-            self.if_line()?
-        } else if self.eat_word("WAIT") {
-            self.wait()?
-        } else if self.eat_word("CALL") {
-            Line::Done(Instruction::Call(self.callee()?))
-        } else if self.eat_word("RUN") {
-            Line::Done(Instruction::Run(self.name("a program")?.into()))
-        } else if self.eat_word("END") {
-            Line::Done(Instruction::End)
-        } else if self.eat_word("ABORT") {
-            Line::Done(Instruction::Abort)
-        } else if self.motion_follows() {
-            self.motion()?
-        } else {
-            self.assignment()?
-        };
+        let line = self.one_line(selects)?;
+        if !matches!(line, Line::Case { .. }) {
+            *selects = None;
+        }
         if !self.at_end() {
             return Err(self.expected("the end of the instruction"));
         }
         Ok(line)
     }
 
-    fn label(&mut self) -> Scanned<i32> {
-        self.expect("LBL")?;
-        match self.index()? {
-            Index::Fixed(number) => Ok(number),
-            Index::Register(_) => Err(self.unsupported("a label whose number is in a register")),
+    fn one_line(&mut self, selects: &mut Option<Operand>) -> Scanned<Line> {
+        if self.eat_word("SELECT") {
+            let operand = self.operand()?;
+            *selects = Some(operand.clone());
+            return self.case(operand, true);
         }
-    }
-
-    fn callee(&mut self) -> Scanned<std::sync::Arc<str>> {
-        let name = self.name("a program")?;
-        if self.sees("(") {
-            return Err(self.unsupported("CALL with arguments"));
-        }
-        Ok(name.into())
-    }
-
-    fn if_line(&mut self) -> Scanned<Line> {
-        let condition = self.condition()?;
-        if self.eat_word("THEN") {
-            return Err(self.unsupported("IF .. THEN"));
-        }
-        self.expect(",")?;
-        if self.eat_word("JMP") {
-            return Ok(Line::IfJump(condition, self.label()?));
-        }
-        if self.eat_word("CALL") {
-            let then = Branch::Call(self.callee()?);
-            return Ok(Line::Done(Instruction::If { condition, then }));
-        }
-        Err(self.expected("JMP or CALL"))
-    }
-
-    fn wait(&mut self) -> Scanned<Line> {
-        self.skip_blanks();
-        // `WAIT   1.50(sec)`, `WAIT R[3]`: an operand alone is a time, unless it is on or off.
-        if !self.sees("(") && !self.eat("!") {
-            let time = self.operand()?;
-            if self.eat("(sec)") || (self.at_end() && matches!(time, Operand::Number(_))) {
-                return Ok(Line::Done(Instruction::WaitSeconds(time)));
+        if let Some(operand) = selects.clone() {
+            if self.sees("=") {
+                return self.case(operand, false);
             }
-            let condition = self.condition_from(false, Some((false, time)))?;
-            return Ok(Line::Done(Instruction::WaitFor(condition)));
-        }
-        let condition = self.condition()?;
-        if self.eat(",") {
-            return Err(self.unsupported("WAIT with TIMEOUT"));
-        }
-        Ok(Line::Done(Instruction::WaitFor(condition)))
-    }
-
-    /// `R[1]>0 AND DI[3]=ON`, or the same in parentheses.
-    fn condition(&mut self) -> Scanned<Condition> {
-        let parentheses = self.eat("(");
-        self.condition_from(parentheses, None)
-    }
-
-    fn condition_from(
-        &mut self,
-        parentheses: bool,
-        mut begun: Option<(bool, Operand)>,
-    ) -> Scanned<Condition> {
-        let mut tests = Vec::new();
-        let mut all = None;
-        loop {
-            let (negated, left) = match begun.take() {
-                Some(begun) => begun,
-                None => (self.eat("!"), self.operand()?),
-            };
-            let mut right = None;
-            if let Some(relation) = self.relation() {
-                right = Some((relation, self.operand()?));
+            if self.eat_word("ELSE") {
+                *selects = None;
+                self.expect(",")?;
+                return Ok(Line::Case {
+                    condition: None,
+                    then: self.then()?,
+                    is_first: false,
+                });
             }
-            tests.push(Test {
-                negated,
-                left,
-                right,
-            });
-            let and = self.eat_word("AND");
-            if !and && !self.eat_word("OR") {
-                break;
-            }
-            if all.is_some_and(|all| all != and) {
-                return Err(self.unsupported("AND and OR in one condition"));
-            }
-            if tests.len() >= MOST_TERMS {
-                return Err(self.unsupported("so many tests in one condition"));
-            }
-            all = Some(and);
         }
-        if parentheses {
-            self.expect(")")?;
-        }
-        Ok(Condition {
-            all: all.unwrap_or(true),
-            tests,
+        Ok(if self.sees("LBL") {
+            Line::Label(self.label()?)
+        } else if self.eat_word("JMP") {
+            Line::Jump(self.label()?)
+        } else if self.eat_word("IF") {
+            self.if_line()?
+        } else if self.eat_word("ELSE") {
+            Line::Else
+        } else if self.eat_word("ENDIF") {
+            Line::EndIf
+        } else if self.eat_word("FOR") {
+            self.for_line()?
+        } else if self.eat_word("ENDFOR") {
+            Line::EndFor
+        } else if self.eat_word("WAIT") {
+            self.wait()?
+        } else if self.motion_follows() {
+            self.motion()?
+        } else if let Some(done) = self.simple()? {
+            Line::Done(done)
+        } else {
+            let (target, value) = self.assignment()?;
+            Line::Done(match value {
+                Assigned::Value(value) => Instruction::Assign { target, value },
+                Assigned::Pulse(width) => {
+                    let Place::Port(port, index) = target else {
+                        return Err(self.wrong(0, "only an output can be pulsed"));
+                    };
+                    Instruction::Pulse(port, index, width)
+                }
+            })
         })
     }
 
-    fn relation(&mut self) -> Option<Relation> {
-        let relations = [
-            ("<>", Relation::NotEqual),
-            ("<=", Relation::LessEqual),
-            (">=", Relation::GreaterEqual),
-            ("=", Relation::Equal),
-            ("<", Relation::Less),
-            (">", Relation::Greater),
-        ];
-        let found = relations.into_iter().find(|(text, _)| self.eat(text));
-        found.map(|(_, relation)| relation)
+    /// Instructions that are a word and perhaps an operand.
+    fn simple(&mut self) -> Scanned<Option<Instruction>> {
+        let done = if self.eat_word("CALL") {
+            Instruction::Call(self.callee()?)
+        } else if self.eat_word("RUN") {
+            Instruction::Run(self.name("a program")?.into())
+        } else if self.eat_word("END") {
+            Instruction::End
+        } else if self.eat_word("ABORT") {
+            Instruction::Abort
+        } else if self.eat_word("PAUSE") {
+            Instruction::Pause
+        } else if self.eat_word("MESSAGE") {
+            self.expect("[")?;
+            let text = latin1(self.up_to(b']')?);
+            Instruction::Message(text.trim().into())
+        } else if self.eat_word("PAYLOAD") {
+            // ASSUMPTION: the load changes no motion of this controller.
+            let _schedule = self.index()?;
+            Instruction::Nothing
+        } else if self.eat_word("OVERRIDE") {
+            self.expect("=")?;
+            let percent = self.operand()?;
+            self.expect("%")?;
+            Instruction::Override(percent)
+        } else if self.eat_word("SKIP") {
+            self.expect("CONDITION")?;
+            Instruction::SkipCondition(self.expression()?)
+        } else if self.eat_word("OFFSET") {
+            self.offset_condition(false)?
+        } else if self.eat_word("TOOL_OFFSET") {
+            self.offset_condition(true)?
+        } else {
+            return Ok(None);
+        };
+        Ok(Some(done))
     }
 
-    fn assignment(&mut self) -> Scanned<Line> {
-        let target = self.place()?;
-        self.expect("=")?;
-        let parentheses = self.eat("(");
-        let negated = self.eat("!");
-        let first = self.operand()?;
-        let mut rest: Vec<(Arithmetic, Operand)> = Vec::new();
-        while let Some(operator) = self.arithmetic() {
-            let mixed = |(other, _): &(Arithmetic, Operand)| is_sum(*other) != is_sum(operator);
-            if rest.iter().any(mixed) {
-                return Err(self.unsupported("a mixture of + - with other operators in one line"));
+    fn offset_condition(&mut self, tool: bool) -> Scanned<Instruction> {
+        self.expect("CONDITION")?;
+        self.expect("PR")?;
+        let register = self.index()?;
+        Ok(Instruction::OffsetCondition { tool, register })
+    }
+
+    pub(super) fn label(&mut self) -> Scanned<i32> {
+        self.expect("LBL")?;
+        match self.index()? {
+            Index::Fixed(number) => Ok(number),
+            Index::Register(_) | Index::Argument(_) => {
+                Err(self.unsupported("a label whose number is in a register"))
             }
-            if rest.len() >= MOST_TERMS {
-                return Err(self.unsupported("such a long sum"));
-            }
-            rest.push((operator, self.operand()?));
         }
-        if parentheses {
+    }
+
+    fn callee(&mut self) -> Scanned<Call> {
+        let program = self.name("a program")?.into();
+        let mut arguments = Vec::new();
+        if self.eat("(") {
+            loop {
+                if arguments.len() >= MOST_ARGUMENTS {
+                    return Err(self.wrong(0, format!("more than {MOST_ARGUMENTS} arguments")));
+                }
+                arguments.push(self.operand()?);
+                if !self.eat(",") {
+                    break;
+                }
+            }
             self.expect(")")?;
         }
-        let value = Expr {
-            negated,
-            first,
-            rest,
-        };
-        Ok(Line::Done(Instruction::Assign { target, value }))
+        Ok(Call { program, arguments })
     }
 
-    fn arithmetic(&mut self) -> Option<Arithmetic> {
-        let words = [("DIV", Arithmetic::Div), ("MOD", Arithmetic::Mod)];
-        if let Some((_, found)) = words.into_iter().find(|(word, _)| self.eat_word(word)) {
-            return Some(found);
+    fn then(&mut self) -> Scanned<Then> {
+        if self.eat_word("JMP") {
+            return Ok(Then::Jump(self.label()?));
         }
-        let signs = [
-            ("+", Arithmetic::Add),
-            ("-", Arithmetic::Subtract),
-            ("*", Arithmetic::Multiply),
-            ("/", Arithmetic::Divide),
-        ];
-        let found = signs.into_iter().find(|(sign, _)| self.eat(sign));
-        found.map(|(_, found)| found)
+        if self.eat_word("CALL") {
+            return Ok(Then::Call(self.callee()?));
+        }
+        match self.assignment()? {
+            (place, Assigned::Value(value)) => Ok(Then::Assign(place, value)),
+            (_, Assigned::Pulse(_)) => Err(self.unsupported("a pulse behind IF")),
+        }
+    }
+
+    fn if_line(&mut self) -> Scanned<Line> {
+        let condition = self.expression()?;
+        if self.eat_word("THEN") {
+            return Ok(Line::IfThen(condition));
+        }
+        self.expect(",")?;
+        Ok(Line::If(condition, self.then()?))
+    }
+
+    /// `=2,JMP LBL[2]`.
+    fn case(&mut self, operand: Operand, is_first: bool) -> Scanned<Line> {
+        self.expect("=")?;
+        let value = self.operand()?;
+        self.expect(",")?;
+        let [left, right] = [operand, value].map(|side| Box::new(Expr::Operand(side)));
+        let equal = Operator::Relation(Relation::Equal);
+        Ok(Line::Case {
+            condition: Some(Expr::Binary(equal, left, right)),
+            then: self.then()?,
+            is_first,
+        })
+    }
+
+    /// `R[1]=1 TO 5`.
+    fn for_line(&mut self) -> Scanned<Line> {
+        self.expect("R")?;
+        let counter = self.index()?;
+        self.expect("=")?;
+        let from = self.operand()?;
+        let down = self.eat_word("DOWNTO");
+        if !down && !self.eat_word("TO") {
+            return Err(self.expected("TO or DOWNTO"));
+        }
+        let to = self.operand()?;
+        Ok(Line::For(ForHead {
+            counter,
+            from,
+            to,
+            down,
+        }))
+    }
+
+    /// `WAIT   1.50(sec)`, `WAIT R[3]`, `WAIT DI[1]=ON TIMEOUT,LBL[2]`.
+    fn wait(&mut self) -> Scanned<Line> {
+        let value = self.expression()?;
+        if let Expr::Operand(time) = &value
+            && (self.eat("(sec)")
+                || (self.at_end()
+                    && matches!(
+                        time,
+                        Operand::Integer(_) | Operand::Real(_) | Operand::Number(_)
+                    )))
+        {
+            return Ok(Line::Done(Instruction::WaitSeconds(time.clone())));
+        }
+        let mut timeout = None;
+        let _comma = self.eat(",");
+        if self.eat_word("TIMEOUT") {
+            self.expect(",")?;
+            timeout = Some(self.label()?);
+        }
+        Ok(Line::WaitFor(value, timeout))
+    }
+
+    fn assignment(&mut self) -> Scanned<(Place, Assigned)> {
+        let target = self.place()?;
+        self.expect("=")?;
+        if self.eat_word("PULSE") {
+            if !self.eat(",") {
+                return Err(self.unsupported("PULSE without a time"));
+            }
+            let width = self.operand()?;
+            self.expect("sec")?;
+            return Ok((target, Assigned::Pulse(width)));
+        }
+        Ok((target, Assigned::Value(self.expression()?)))
     }
 
     fn place(&mut self) -> Scanned<Place> {
-        if self.eat_word("UFRAME_NUM") {
-            return Ok(Place::UserFrame);
+        if let Some(kind) = self.frame_number_word() {
+            return Ok(Place::FrameNumber(kind));
         }
-        if self.eat_word("UTOOL_NUM") {
-            return Ok(Place::Tool);
+        if let Some(kind) = self.frame_word() {
+            return Ok(Place::Frame(kind, self.index()?));
         }
         if self.eat_word("PR") {
-            return Ok(Place::Position(self.index()?));
+            return Ok(match self.register_or_component()? {
+                (register, None) => Place::Position(register),
+                (register, Some(component)) => Place::Component(register, component),
+            });
         }
         if self.eat_word("R") {
             return Ok(Place::Number(self.index()?));
+        }
+        if self.eat_word("SR") {
+            return Ok(Place::Text(self.index()?));
+        }
+        if self.sees("$") {
+            return Ok(Place::System(self.system_path()?));
         }
         if let Some(port) = self.port() {
             if port.is_input() {
@@ -276,67 +334,10 @@ impl Scanner<'_> {
         }
         Err(self.expected("an instruction"))
     }
-
-    fn port(&mut self) -> Option<Port> {
-        let found = PORTS.iter().find(|(word, _)| self.eat_word(word));
-        found.map(|(_, port)| *port)
-    }
-
-    /// `5`, `(-1)`, `ON`, `R[3]`, `DI[2:part]`.
-    pub(super) fn operand(&mut self) -> Scanned<Operand> {
-        if self.eat_word("ON") || self.eat_word("TRUE") {
-            return Ok(Operand::Switch(true));
-        }
-        if self.eat_word("OFF") || self.eat_word("FALSE") {
-            return Ok(Operand::Switch(false));
-        }
-        if self.eat_word("PR") {
-            return Ok(Operand::Position(self.index()?));
-        }
-        if self.eat_word("R") {
-            return Ok(Operand::Number(self.index()?));
-        }
-        if let Some(port) = self.port() {
-            return Ok(Operand::Port(port, self.index()?));
-        }
-        if self.eat("(") {
-            let number = self.constant()?;
-            self.expect(")")?;
-            return Ok(number);
-        }
-        self.constant()
-    }
-
-    fn constant(&mut self) -> Scanned<Operand> {
-        let text = self.number("a number, a register or an input or output")?;
-        if let Ok(value) = text.parse() {
-            return Ok(Operand::Integer(value));
-        }
-        match text.parse::<f32>() {
-            Ok(value) if value.is_finite() => Ok(Operand::Real(value)),
-            Ok(_) | Err(_) => Err(self.expected("a number that a register can hold")),
-        }
-    }
-
-    /// `[1]`, `[1:comment]`, `[R[1:comment]]`.
-    pub(super) fn index(&mut self) -> Scanned<Index> {
-        self.expect("[")?;
-        let index = if self.eat_word("R") {
-            self.expect("[")?;
-            let number = self.integer("a register's number")?;
-            let _comment = self.up_to(b']')?;
-            Index::Register(number)
-        } else {
-            Index::Fixed(self.integer("a number")?)
-        };
-        if self.sees(",") {
-            return Err(self.unsupported("a component of a position register"));
-        }
-        let _comment = self.up_to(b']')?;
-        Ok(index)
-    }
 }
 
-fn is_sum(operator: Arithmetic) -> bool {
-    matches!(operator, Arithmetic::Add | Arithmetic::Subtract)
+/// The right side of an assignment.
+enum Assigned {
+    Value(Expr),
+    Pulse(Operand),
 }

@@ -1,10 +1,8 @@
 //! The sections of a listing: `/PROG`, `/ATTR`, `/APPL`, `/MN`, `/POS`, `/END`.
 
-use std::{collections::BTreeMap, sync::Arc};
+use std::collections::BTreeMap;
 
-use super::{
-    Branch, Instruction, MotionTarget, Taught, instruction::Line, position, scan::Scanner,
-};
+use super::{Instruction, Operand, instruction::Line, position, resolve, scan::Scanner};
 use crate::{
     diagnostic::Reports,
     span::{Source, Span, latin1},
@@ -32,6 +30,7 @@ pub(crate) fn parse(source: &Source, reports: &mut Reports) -> Option<Listing> {
         sections.line(line, start, reports);
         start += line.len();
     }
+    sections.close_line(reports);
     let Sections {
         name,
         lines,
@@ -57,7 +56,7 @@ pub(crate) fn parse(source: &Source, reports: &mut Reports) -> Option<Listing> {
     };
     Some(Listing {
         name,
-        instructions: resolve(lines, &taught, reports),
+        instructions: resolve::resolve(lines, &taught, reports),
     })
 }
 
@@ -76,6 +75,10 @@ struct Sections {
     place: Place,
     name: Option<String>,
     lines: Vec<(Line, Span)>,
+    /// A line of `/MN` that may go on in the next one, and where it starts.
+    open: Option<(Vec<u8>, usize)>,
+    /// What the SELECT before compares.
+    selects: Option<Operand>,
     /// Where the positions are.
     pos: Option<(usize, usize)>,
 }
@@ -83,17 +86,46 @@ struct Sections {
 impl Sections {
     fn line(&mut self, line: &[u8], start: usize, reports: &mut Reports) {
         let text = line.trim_ascii();
-        if text.is_empty() || self.place == Place::End || reports.is_full() {
+        if text.is_empty() || self.place == Place::End {
             return;
         }
         let span = Span::new(start, start + line.trim_ascii_end().len());
         if text.first() == Some(&b'/') && text.get(1) != Some(&b'/') {
+            self.close_line(reports);
             return self.section(text, start, span, reports);
         }
         match self.place {
             Place::Before => reports.error(span, "expected /PROG"),
             Place::Header | Place::Positions | Place::End => {}
-            Place::Main => self.instruction(line, start, span, reports),
+            Place::Main => self.main_line(line, start, reports),
+        }
+    }
+
+    /// An instruction without `;` goes on in a line that has no number, as those of a `C` do.
+    fn main_line(&mut self, line: &[u8], start: usize, reports: &mut Reports) {
+        if let Some((open, at)) = &mut self.open
+            && !open.trim_ascii_end().ends_with(b";")
+            && line.trim_ascii_start().starts_with(b":")
+        {
+            // Blank lines between them count, so that places in the file stay what they are.
+            open.resize(start - *at, b' ');
+            let mut more = line.to_vec();
+            if let Some(colon) = more.iter_mut().find(|byte| **byte == b':') {
+                *colon = b' ';
+            }
+            open.extend(more);
+            return;
+        }
+        self.close_line(reports);
+        self.open = Some((line.to_vec(), start));
+    }
+
+    fn close_line(&mut self, reports: &mut Reports) {
+        if let Some((line, start)) = self.open.take()
+            && !reports.is_full()
+        {
+            let span = Span::new(start, start + line.trim_ascii_end().len());
+            self.instruction(&line, start, span, reports);
         }
     }
 
@@ -151,7 +183,7 @@ impl Sections {
         let parsed = if scanner.at_end() {
             Ok(Line::Done(Instruction::Nothing))
         } else {
-            scanner.line()
+            scanner.line(&mut self.selects)
         };
         let parsed = parsed.unwrap_or(Line::Done(Instruction::Nothing));
         self.lines.push((parsed, span));
@@ -163,45 +195,4 @@ fn is_name(name: &str) -> bool {
     name.starts_with(|c: char| c.is_ascii_alphabetic())
         && name.len() <= 36
         && name.chars().all(part)
-}
-
-/// Labels become instructions, positions their values.
-fn resolve(
-    lines: Vec<(Line, Span)>,
-    taught: &BTreeMap<i32, Arc<Taught>>,
-    reports: &mut Reports,
-) -> Vec<Instruction> {
-    let mut labels = BTreeMap::new();
-    for (at, (line, span)) in (0_u32..).zip(&lines) {
-        if let Line::Label(label) = line
-            && labels.insert(*label, at).is_some()
-        {
-            reports.error(*span, format!("LBL[{label}] is there twice"));
-        }
-    }
-    let target = |label: i32, span: Span, reports: &mut Reports| {
-        labels.get(&label).copied().unwrap_or_else(|| {
-            reports.error(span, format!("there is no LBL[{label}]"));
-            0
-        })
-    };
-    let resolved = lines.into_iter().map(|(line, span)| match line {
-        Line::Label(_) => Instruction::Nothing,
-        Line::Jump(label) => Instruction::Jump(target(label, span, reports)),
-        Line::IfJump(condition, label) => Instruction::If {
-            condition,
-            then: Branch::Jump(target(label, span, reports)),
-        },
-        Line::Done(instruction) => instruction,
-        Line::Move(motion, None) => Instruction::Move(motion),
-        Line::Move(mut motion, Some(number)) => {
-            let Some(position) = taught.get(&number) else {
-                reports.error(span, format!("there is no P[{number}] in the section /POS"));
-                return Instruction::Nothing;
-            };
-            motion.target = MotionTarget::Taught(position.clone());
-            Instruction::Move(motion)
-        }
-    });
-    resolved.collect()
 }

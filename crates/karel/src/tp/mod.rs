@@ -1,14 +1,16 @@
 //! TP programs, the pendant's own language, as their `.ls` listings.
 //!
-//! The part that programs of the field and KAREL servers need to move the arm: motion to position
-//! registers and taught positions, registers, flags, digital I/O, jumps, calls, waits. Each line
+//! The part that programs of the field use most: motion, registers, I/O, jumps, blocks, calls with
+//! arguments, waits, frames. Each line
 //! becomes one [`Instruction`] of the same machine that runs KAREL. What is TP and not run yet is
 //! an error that says so.
 
+mod expression;
 mod instruction;
 mod listing;
 mod motion;
 mod position;
+mod resolve;
 mod scan;
 
 use std::sync::Arc;
@@ -17,6 +19,7 @@ use crate::{
     ast::Relation,
     host::{Interpolation, TpTarget},
     port::Port,
+    syspath::SysPath,
 };
 
 pub(crate) use listing::parse;
@@ -33,33 +36,108 @@ pub(crate) enum Instruction {
         value: Expr,
     },
     If {
-        condition: Condition,
+        condition: Expr,
         then: Branch,
     },
+    /// `IF .. THEN`: to an instruction if the condition does not hold.
+    Unless {
+        condition: Expr,
+        to: u32,
+    },
+    /// A case of a SELECT; a program that is called comes back behind the whole SELECT.
+    Case {
+        condition: Option<Expr>,
+        then: Branch,
+        behind: u32,
+    },
+    /// `FOR`: to the instruction behind its ENDFOR if there is nothing to do.
+    For {
+        head: ForHead,
+        behind: u32,
+    },
+    /// `ENDFOR`: to the instruction behind its FOR if there is more to do.
+    EndFor {
+        head: ForHead,
+        again: u32,
+    },
     WaitSeconds(Operand),
-    WaitFor(Condition),
-    Call(Arc<str>),
+    WaitFor {
+        condition: Expr,
+        /// Where to when it takes longer than `$WAITTMOUT`.
+        timeout: Option<u32>,
+    },
+    Call(Call),
     Run(Arc<str>),
     Move(Motion),
+    Pulse(Port, Index, Operand),
+    Message(Arc<str>),
+    SkipCondition(Expr),
+    /// `OFFSET CONDITION`, or `TOOL_OFFSET CONDITION`.
+    OffsetCondition {
+        tool: bool,
+        register: Index,
+    },
+    Override(Operand),
     End,
     Abort,
+    Pause,
+}
+
+/// `FOR R[1]=1 TO 5`.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ForHead {
+    pub(crate) counter: Index,
+    pub(crate) from: Operand,
+    pub(crate) to: Operand,
+    pub(crate) down: bool,
+}
+
+/// A program and its arguments.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Call {
+    pub(crate) program: Arc<str>,
+    pub(crate) arguments: Vec<Operand>,
 }
 
 /// What follows a condition that holds.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Branch {
     Jump(u32),
-    Call(Arc<str>),
+    Call(Call),
+    /// An assignment, of mixed logic.
+    Assign(Place, Expr),
 }
 
 /// What can be assigned.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Place {
     Number(Index),
+    Text(Index),
     Position(Index),
+    /// `PR[1,2]`.
+    Component(Index, Index),
     Port(Port, Index),
-    UserFrame,
+    /// `UFRAME[1]` and `UTOOL[1]`.
+    Frame(FrameKind, Index),
+    /// `UFRAME_NUM` and `UTOOL_NUM`.
+    FrameNumber(FrameKind),
+    System(SysPath),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum FrameKind {
+    User,
     Tool,
+}
+
+impl FrameKind {
+    /// The system variable with the frames, and that with the number of the one in use.
+    pub(crate) fn variables(self) -> (&'static str, &'static str) {
+        match self {
+            FrameKind::User => ("$MNUFRAME", "$MNUFRAMENUM"),
+            FrameKind::Tool => ("$MNUTOOL", "$MNUTOOLNUM"),
+        }
+    }
 }
 
 /// The number of a register or port.
@@ -68,24 +146,46 @@ pub(crate) enum Index {
     Fixed(i32),
     /// The number is in this `R[]`.
     Register(i32),
+    /// The number is this argument of the program, `AR[]`.
+    Argument(i32),
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Operand {
     Integer(i32),
     Real(f32),
     Switch(bool),
+    Literal(Arc<str>),
     Number(Index),
+    Text(Index),
+    Argument(Index),
     Position(Index),
+    Component(Index, Index),
     Port(Port, Index),
+    Frame(FrameKind, Index),
+    FrameNumber(FrameKind),
+    /// Where the arm is: the tool in the user frame, or the joints.
+    LinearPosition,
+    JointPosition,
+    System(SysPath),
 }
 
-/// One operand, or several with one kind of operator between them, from left to right.
+/// A value or a condition; its depth is bounded by the scanner.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Expr {
-    pub(crate) negated: bool,
-    pub(crate) first: Operand,
-    pub(crate) rest: Vec<(Arithmetic, Operand)>,
+pub(crate) enum Expr {
+    Operand(Operand),
+    /// What was written in parentheses.
+    Group(Box<Expr>),
+    Not(Box<Expr>),
+    Binary(Operator, Box<Expr>, Box<Expr>),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Operator {
+    Arithmetic(Arithmetic),
+    Relation(Relation),
+    And,
+    Or,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -98,29 +198,29 @@ pub(crate) enum Arithmetic {
     Mod,
 }
 
-/// Tests that all hold, or of which one holds.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Condition {
-    pub(crate) all: bool,
-    pub(crate) tests: Vec<Test>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Test {
-    pub(crate) negated: bool,
-    pub(crate) left: Operand,
-    /// Without it, the operand itself is on or off.
-    pub(crate) right: Option<(Relation, Operand)>,
-}
-
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Motion {
     pub(crate) interpolation: Interpolation,
+    /// Of a `C`: a position on the arc.
+    pub(crate) via: Option<MotionTarget>,
     pub(crate) target: MotionTarget,
     pub(crate) speed: Operand,
     pub(crate) unit: SpeedUnit,
     /// `ACC`.
     pub(crate) acceleration: Option<Operand>,
+    pub(crate) offset: Shift,
+    pub(crate) tool_offset: Shift,
+    /// `Skip`: where to when the motion ends without its SKIP CONDITION.
+    pub(crate) skip: Option<u32>,
+}
+
+/// `Offset`, `Tool_Offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Shift {
+    No,
+    /// By the register of the OFFSET CONDITION.
+    Condition,
+    Register(Index),
 }
 
 #[derive(Clone, Debug, PartialEq)]

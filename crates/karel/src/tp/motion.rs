@@ -1,7 +1,7 @@
 //! Motion instructions: `J PR[1] R[2]% FINE`, `L P[3:place] 250mm/sec CNT50 ACC80`.
 
 use super::{
-    Motion, MotionTarget, Operand, SpeedUnit,
+    Index, Motion, MotionTarget, Operand, Shift, SpeedUnit,
     instruction::Line,
     scan::{Scanned, Scanner},
 };
@@ -20,41 +20,75 @@ impl Scanner<'_> {
             Interpolation::Joint
         } else if self.eat_word("L") {
             Interpolation::Linear
+        } else if self.eat_word("C") {
+            Interpolation::Circular
         } else {
-            return Err(self.unsupported("a motion on an arc"));
+            return Err(self.unsupported("a motion of arcs (A)"));
         };
-        let mut taught = None;
-        let target = if self.eat_word("PR") {
-            self.index()?
+        let first = self.place_to_go()?;
+        let (via, target) = if interpolation == Interpolation::Circular {
+            (Some(first), self.place_to_go()?)
         } else {
-            self.expect("P")?;
-            let index = self.index()?;
-            match index {
-                super::Index::Fixed(number) => taught = Some(number),
-                super::Index::Register(_) => {
-                    return Err(self.unsupported("a position whose number is in a register"));
-                }
-            }
-            index
+            (None, first)
         };
         let speed = self.operand()?;
         let unit = self.unit(interpolation)?;
         self.termination()?;
-        let mut acceleration = None;
-        if self.eat("ACC") {
-            acceleration = Some(self.operand()?);
-        }
-        if !self.at_end() {
-            return Err(self.unsupported("this option of a motion"));
-        }
-        let motion = Motion {
+        let mut motion = Motion {
             interpolation,
-            target: MotionTarget::Register(target),
+            via: via.map(|(via, _)| MotionTarget::Register(via)),
+            target: MotionTarget::Register(target.0),
             speed,
             unit,
-            acceleration,
+            acceleration: None,
+            offset: Shift::No,
+            tool_offset: Shift::No,
+            skip: None,
         };
-        Ok(Line::Move(motion, taught))
+        let mut skip = None;
+        while !self.at_end() {
+            let _comma = self.eat(",");
+            if self.eat("ACC") {
+                motion.acceleration = Some(self.operand()?);
+            } else if self.eat_word("Tool_Offset") {
+                motion.tool_offset = self.shift()?;
+            } else if self.eat_word("Offset") {
+                motion.offset = self.shift()?;
+            } else if self.eat_word("Skip") {
+                self.expect(",")?;
+                skip = Some(self.label()?);
+            } else if !self.eat_word("PTH") {
+                return Err(self.unsupported("this option of a motion"));
+            }
+        }
+        Ok(Line::Move {
+            motion,
+            target: target.1,
+            via: via.and_then(|(_, taught)| taught),
+            skip,
+        })
+    }
+
+    /// `Offset`, `Offset,PR[3]`.
+    fn shift(&mut self) -> Scanned<Shift> {
+        if self.eat(",PR") {
+            return self.index().map(Shift::Register);
+        }
+        Ok(Shift::Condition)
+    }
+
+    /// `PR[1]`, `P[3:place]`: the number of the register, or of the taught position twice.
+    fn place_to_go(&mut self) -> Scanned<(Index, Option<i32>)> {
+        if self.eat_word("PR") {
+            return Ok((self.index()?, None));
+        }
+        self.expect("P")?;
+        match self.index()? {
+            index @ Index::Fixed(number) => Ok((index, Some(number))),
+            Index::Register(_) | Index::Argument(_) => {
+                Err(self.unsupported("a position whose number is in a register"))
+            }
+        }
     }
 
     fn unit(&mut self, interpolation: Interpolation) -> Scanned<SpeedUnit> {
@@ -77,6 +111,7 @@ impl Scanner<'_> {
             let letter = match interpolation {
                 Interpolation::Joint => "J",
                 Interpolation::Linear => "L",
+                Interpolation::Circular => "C",
             };
             return Err(self.wrong(0, format!("a motion {letter} has no speed in {text}")));
         }

@@ -119,6 +119,22 @@ impl<'a> Scanner<'a> {
         Ok(text)
     }
 
+    /// What may be the path of a system variable, up to anything else.
+    pub(super) fn path_text(&mut self) -> String {
+        self.skip_blanks();
+        let mut depth = 0_i32;
+        let part = |byte: &&u8| {
+            depth += i32::from(**byte == b'[') - i32::from(**byte == b']');
+            byte.is_ascii_alphanumeric()
+                || matches!(**byte, b'$' | b'_' | b'.' | b'[' | b']')
+                || (depth > 0 && **byte == b',')
+        };
+        let length = self.rest().iter().take_while(part).count();
+        let text = self.rest().get(..length).unwrap_or_default();
+        self.at += length;
+        String::from_utf8_lossy(text).into_owned()
+    }
+
     pub(super) fn expected(&mut self, what: &str) -> Reported {
         self.skip_blanks();
         let rest = self.rest();

@@ -122,14 +122,12 @@ fn waits_take_their_time_and_conditions_may_be_in_parentheses() {
 fn what_is_not_run_yet_or_makes_no_sense_is_an_error_with_its_line() {
     for (line, reason) in [
         (
-            "MESSAGE[hello]",
-            "the instruction MESSAGE is not supported yet",
-        ),
-        ("CALL X(1)", "CALL with arguments is not supported yet"),
-        ("IF (R[1]=1) THEN", "IF .. THEN is not supported yet"),
-        (
             "C P[1] 100mm/sec FINE",
-            "a motion on an arc is not supported yet",
+            "expected `P`, found `100mm/sec FINE`",
+        ),
+        (
+            "A PR[1] 100mm/sec FINE",
+            "a motion of arcs (A) is not supported yet",
         ),
         (
             "J PR[1] 100mm/sec FINE",
@@ -138,15 +136,32 @@ fn what_is_not_run_yet_or_makes_no_sense_is_an_error_with_its_line() {
         ("L PR[1] 100% FINE", "a motion L has no speed in %"),
         ("L PR[1] 100mm/sec", "expected FINE or CNT"),
         ("L PR[1] 100mm/sec CNT101", "CNT is 0 to 100"),
+        ("J P[7] 100% FINE", "there is no P[7] in the section /POS"),
+        ("IF (R[1]=1) THEN", "the block has no end"),
+        ("ELSE", "ELSE without IF .. THEN"),
+        ("ENDIF", "ENDIF without IF .. THEN"),
+        ("ENDFOR", "ENDFOR without FOR"),
+        ("FOR R[1]=1 TO 3", "the block has no end"),
         (
-            "L PR[1] 100mm/sec FINE Offset,PR[2]",
+            "IF R[1]=1 AND R[2]=2 OR R[3]=3,JMP LBL[1]",
+            "AND and OR in one condition without parentheses",
+        ),
+        ("WAIT DI[1]=ON TIMEOUT,LBL[9]", "there is no LBL[9]"),
+        (
+            "R[1]=((((((((((((((((((1))))))))))))))))))",
+            "so many parentheses",
+        ),
+        ("R[1,2]=5", "only PR has components"),
+        (
+            "L PR[1] 100mm/sec FINE Wjnt",
             "this option of a motion is not supported yet",
         ),
-        ("J P[7] 100% FINE", "there is no P[7] in the section /POS"),
+        ("L PR[1] 2sec FINE", "a speed in sec is not supported yet"),
         (
-            "PR[1,2]=5",
-            "a component of a position register is not supported yet",
+            "TIMER[1]=START",
+            "the instruction TIMER is not supported yet",
         ),
+        ("$A..B=1", "is no variable"),
         ("JMP LBL[5]", "there is no LBL[5]"),
         (
             "R[1]=",
@@ -198,4 +213,123 @@ fn no_beginning_and_no_damage_of_a_listing_makes_the_parser_panic() {
             let _parsed = Program::parse_listing(&damaged, "t.ls");
         }
     }
+}
+
+#[test]
+fn blocks_run_what_their_condition_says_and_may_be_in_each_other() {
+    let lines = [
+        "FOR R[1]=1 TO 4",
+        "IF (R[1]=2 OR R[1]=3 AND !(R[1]<>3)) THEN",
+        "R[2]=R[2]+R[1]",
+        "ELSE",
+        "FOR R[4]=3 DOWNTO 2",
+        "R[3]=R[3]+1",
+        "ENDFOR",
+        "ENDIF",
+        "ENDFOR",
+        "FOR R[5]=3 TO 2",
+        "R[2]=99",
+        "ENDFOR",
+    ];
+    // 2 and 3 are added, 1 and 4 count twice; counters keep their last values.
+    assert_eq!(integers(&lines, &[]), [4, 5, 4, 2]);
+}
+
+#[test]
+fn a_select_takes_one_case_and_a_call_comes_back_behind_it() {
+    let inner = "/PROG INNER\n/ATTR\n/MN\n   1:  R[1]=AR[1] ;\n   2:  R[3]=R[3]+1 ;\n/END\n";
+    let select = |value: &'static str| {
+        let first = format!("R[1]={value}");
+        let lines = [
+            first.as_str(),
+            "SELECT R[1]=1,JMP LBL[1]",
+            "=2,CALL INNER(3)",
+            "=3,JMP LBL[3]",
+            "ELSE,JMP LBL[9]",
+            "R[2]=2",
+            "END",
+            "LBL[1]",
+            "R[2]=1",
+            "END",
+            "LBL[3]",
+            "R[2]=3",
+            "END",
+            "LBL[9]",
+            "R[2]=9",
+        ];
+        integers(&lines, &[inner])
+    };
+    assert_eq!(select("1")[1], 1);
+    assert_eq!(select("2"), [3, 2, 1, 0]);
+    assert_eq!(select("3")[1], 3);
+    assert_eq!(select("7")[1], 9);
+}
+
+#[test]
+fn arguments_reach_tp_and_karel_and_end_with_their_program() {
+    let inner = "/PROG INNER\n/ATTR\n/MN\n   1:  R[AR[1]]=AR[2]+1 ;\n   2:  CALL DEEP ;\n/END\n";
+    let deep = "/PROG DEEP\n/ATTR\n/MN\n   1:  R[4]=AR[1] ;\n/END\n";
+    let error = registers(&["CALL INNER(1,41)"], &[inner, deep]).unwrap_err();
+    assert!(error.contains("AR[1] was not given"), "{error}");
+    let karel = "PROGRAM kl
+VAR t, i, s : INTEGER
+    r : REAL
+    c : STRING[10]
+ROUTINE inside
+BEGIN
+  GET_TPE_PRM(1, t, i, r, c, s)
+END inside
+BEGIN
+  inside
+  SET_INT_REG(1, t * 1000 + i, s)
+  GET_TPE_PRM(2, t, i, r, c, s)
+  SET_REAL_REG(2, r + t, s)
+  GET_TPE_PRM(3, t, i, r, c, s)
+  SET_INT_REG(3, t * 100 + STR_LEN(c), s)
+  GET_TPE_PRM(4, t, i, r, c, s)
+  SET_INT_REG(4, s, s)
+END kl
+";
+    let found = registers(&["R[1]=7", "CALL KL(R[1],1.5,'grip')"], &[karel]).unwrap();
+    let wanted = [
+        Number::Integer(1007),
+        Number::Real(3.5),
+        Number::Integer(304),
+        Number::Integer(12311),
+    ];
+    assert_eq!(found, wanted);
+}
+
+#[test]
+fn texts_and_components_of_positions_are_calculated() {
+    let lines = [
+        "SR[1]='12'",
+        "SR[2]=SR[1]+'3'",
+        "R[1]=SR[2]",
+        "PR[1,2]=10",
+        "PR[2,2]=5",
+        "PR[3]=PR[1]-PR[2]",
+        "R[2]=PR[3,2]*2",
+        "IF SR[2]='123',R[3]=(1+2*3)",
+        "R[4]=(R[1]>100 AND SR[1]<>SR[2])",
+    ];
+    let error = registers(&lines, &[]).unwrap_err();
+    assert!(error.contains("(T, 9)"), "a switch is no number: {error}");
+    let found = registers(&lines[..8], &[]).unwrap();
+    let wanted = [Number::Integer(123), Number::Real(10.0), Number::Integer(7)];
+    assert_eq!(found[..3], wanted);
+}
+
+#[test]
+fn a_wait_that_takes_too_long_goes_to_its_label() {
+    let lines = [
+        "WAIT R[1]=1 TIMEOUT,LBL[1]",
+        "R[2]=1",
+        "LBL[1]",
+        "R[3]=1",
+        "WAIT (R[3]=1) TIMEOUT,LBL[2]",
+        "R[4]=1",
+        "LBL[2]",
+    ];
+    assert_eq!(integers(&lines, &[]), [0, 0, 1, 1]);
 }

@@ -1,0 +1,190 @@
+//! Labels and blocks become instructions, numbers of positions their values.
+
+use std::{collections::BTreeMap, sync::Arc};
+
+use super::{
+    Branch, ForHead, Instruction, MotionTarget, Taught,
+    instruction::{Line, Then},
+};
+use crate::{diagnostic::Reports, span::Span};
+
+/// What a block has at its end, or in its middle.
+#[derive(Default)]
+struct Blocks {
+    /// Of an IF, an ELSE and a FOR: the instruction to go on with. Of an ENDFOR: its FOR.
+    to: BTreeMap<u32, u32>,
+    heads: BTreeMap<u32, ForHead>,
+}
+
+pub(super) fn resolve(
+    lines: Vec<(Line, Span)>,
+    taught: &BTreeMap<i32, Arc<Taught>>,
+    reports: &mut Reports,
+) -> Vec<Instruction> {
+    let mut labels = BTreeMap::new();
+    for (at, (line, span)) in (0_u32..).zip(&lines) {
+        if let Line::Label(label) = line
+            && labels.insert(*label, at).is_some()
+        {
+            reports.error(*span, format!("LBL[{label}] is there twice"));
+        }
+    }
+    let blocks = match_blocks(&lines, reports);
+    let selects = ends_of_selects(&lines);
+    let mut resolver = Resolver {
+        labels,
+        taught,
+        reports,
+    };
+    let mut resolved = Vec::with_capacity(lines.len());
+    for (at, (line, span)) in (0_u32..).zip(lines) {
+        let to = blocks.to.get(&at).copied().unwrap_or(at);
+        let instruction = match line {
+            Line::Label(_) | Line::EndIf => Instruction::Nothing,
+            Line::Jump(label) => Instruction::Jump(resolver.label(label, span)),
+            Line::If(condition, then) => Instruction::If {
+                condition,
+                then: resolver.then(then, span),
+            },
+            Line::IfThen(condition) => Instruction::Unless { condition, to },
+            Line::Else => Instruction::Jump(to),
+            Line::For(head) => Instruction::For { head, behind: to },
+            Line::EndFor => match blocks.heads.get(&at) {
+                Some(head) => Instruction::EndFor {
+                    head: head.clone(),
+                    again: to,
+                },
+                None => Instruction::Nothing,
+            },
+            Line::Case {
+                condition, then, ..
+            } => Instruction::Case {
+                condition,
+                then: resolver.then(then, span),
+                behind: selects.get(&at).copied().unwrap_or(at),
+            },
+            Line::WaitFor(condition, timeout) => Instruction::WaitFor {
+                condition,
+                timeout: timeout.map(|label| resolver.label(label, span)),
+            },
+            Line::Done(instruction) => instruction,
+            Line::Move {
+                mut motion,
+                target,
+                via,
+                skip,
+            } => {
+                if let Some(position) = target.and_then(|n| resolver.position(n, span)) {
+                    motion.target = position;
+                }
+                if let Some(position) = via.and_then(|n| resolver.position(n, span)) {
+                    motion.via = Some(position);
+                }
+                motion.skip = skip.map(|label| resolver.label(label, span));
+                Instruction::Move(motion)
+            }
+        };
+        resolved.push(instruction);
+    }
+    resolved
+}
+
+struct Resolver<'a> {
+    labels: BTreeMap<i32, u32>,
+    taught: &'a BTreeMap<i32, Arc<Taught>>,
+    reports: &'a mut Reports,
+}
+
+impl Resolver<'_> {
+    fn label(&mut self, label: i32, span: Span) -> u32 {
+        self.labels.get(&label).copied().unwrap_or_else(|| {
+            self.reports
+                .error(span, format!("there is no LBL[{label}]"));
+            0
+        })
+    }
+
+    fn then(&mut self, then: Then, span: Span) -> Branch {
+        match then {
+            Then::Jump(label) => Branch::Jump(self.label(label, span)),
+            Then::Call(call) => Branch::Call(call),
+            Then::Assign(place, value) => Branch::Assign(place, value),
+        }
+    }
+
+    fn position(&mut self, number: i32, span: Span) -> Option<MotionTarget> {
+        let found = self.taught.get(&number).cloned();
+        if found.is_none() {
+            self.reports
+                .error(span, format!("there is no P[{number}] in the section /POS"));
+        }
+        found.map(MotionTarget::Taught)
+    }
+}
+
+/// Behind the last case of the SELECT that a case belongs to.
+fn ends_of_selects(lines: &[(Line, Span)]) -> BTreeMap<u32, u32> {
+    let mut ends = BTreeMap::new();
+    let mut end = 0;
+    let numbered: Vec<(u32, &(Line, Span))> = (0_u32..).zip(lines).collect();
+    for (at, (line, _)) in numbered.into_iter().rev() {
+        if let Line::Case { is_first, .. } = line {
+            if end == 0 {
+                end = at + 1;
+            }
+            let _none = ends.insert(at, end);
+            if *is_first {
+                end = 0;
+            }
+        }
+    }
+    ends
+}
+
+fn match_blocks(lines: &[(Line, Span)], reports: &mut Reports) -> Blocks {
+    enum Open<'a> {
+        If,
+        Else,
+        For(&'a ForHead),
+    }
+    let mut blocks = Blocks::default();
+    let mut open: Vec<(Open<'_>, u32, Span)> = Vec::new();
+    for (at, (line, span)) in (0_u32..).zip(lines) {
+        match line {
+            Line::IfThen(_) => open.push((Open::If, at, *span)),
+            Line::For(head) => open.push((Open::For(head), at, *span)),
+            Line::Else => match open.pop() {
+                Some((Open::If, begin, _)) => {
+                    let _none = blocks.to.insert(begin, at + 1);
+                    open.push((Open::Else, at, *span));
+                }
+                _ => reports.error(*span, "ELSE without IF .. THEN"),
+            },
+            Line::EndIf => match open.pop() {
+                Some((Open::If | Open::Else, begin, _)) => {
+                    let _none = blocks.to.insert(begin, at + 1);
+                }
+                _ => reports.error(*span, "ENDIF without IF .. THEN"),
+            },
+            Line::EndFor => match open.pop() {
+                Some((Open::For(head), begin, _)) => {
+                    let _none = blocks.to.insert(begin, at + 1);
+                    let _none = blocks.to.insert(at, begin + 1);
+                    let _none = blocks.heads.insert(at, head.clone());
+                }
+                _ => reports.error(*span, "ENDFOR without FOR"),
+            },
+            Line::Label(_)
+            | Line::Jump(_)
+            | Line::If(..)
+            | Line::Case { .. }
+            | Line::WaitFor(..)
+            | Line::Done(_)
+            | Line::Move { .. } => {}
+        }
+    }
+    for (_, _, span) in open {
+        reports.error(span, "the block has no end");
+    }
+    blocks
+}
