@@ -118,6 +118,10 @@ pub struct MotionRequest {
     pub target: XyzwprExt,
     /// `VIA`: a position on the arc of a circular motion.
     pub via: Option<XyzwprExt>,
+    /// `MOVE AXIS`: the joints that are meant, in place of the target, which is where the tool is.
+    pub joints: Option<JointPosition>,
+    /// How it gets there.
+    pub path: MotionPath,
     /// Motion group, from 1.
     pub group: i32,
     /// Whether the statement waits.
@@ -126,6 +130,16 @@ pub struct MotionRequest {
     pub program: Arc<str>,
     /// Physical source line of the statement, from 1.
     pub line: u32,
+}
+
+/// How a motion of a KAREL program gets to its target.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum MotionPath {
+    /// As `$MOTYPE` says.
+    #[default]
+    AsSet,
+    /// On a straight line, whatever `$MOTYPE` says: RELATIVE, AWAY, ABOUT.
+    Straight,
 }
 
 /// How a motion of a TP program gets to its target.
@@ -398,6 +412,11 @@ pub trait Host {
 
     /// Status 0 when the motion met its termination criterion; another status ends the task.
     fn motion_ended(&mut self, motion: MotionId) -> Progress<Status>;
+
+    /// How long a motion that runs takes from now on; `None` if nobody knows.
+    fn motion_left(&self, _motion: MotionId) -> Option<Duration> {
+        None
+    }
 
     /// `CANCEL`: the arm brakes, whoever moves it. A MOVE that waits for it goes on as if it had
     /// arrived: [`Host::motion_ended`] answers with status 0.

@@ -7,7 +7,10 @@
 use std::sync::Arc;
 
 use crate::{
-    ast::{Action, ConditionVerb, Edge, HandVerb, MotionVerb, Relation, Signaled, TaskVerb, Waits},
+    ast::{
+        Action, ConditionVerb, Edge, HandVerb, MotionVerb, NodeSide, Relation, Signaled, TaskVerb,
+        Waits,
+    },
     builtins::Builtin,
     port::Port,
     syspath::SysPath,
@@ -114,6 +117,8 @@ pub(crate) enum Rare {
         least: i32,
         most: i32,
     },
+    /// A subscript above the address of a PATH: the address of the node.
+    Node,
     /// Copies joints: a source address above a target address, and their cells.
     CopyJoints {
         from: u32,
@@ -189,11 +194,40 @@ pub(crate) enum Outward {
     ConnectTimer,
     /// The address of the variable.
     DisconnectTimer,
-    Move(Waits),
-    /// As `Move`; the position below the target is on the arc.
-    MoveVia(Waits),
+    /// What it needs on the stack.
+    Move(MoveKind, Waits),
+    /// The address of a PATH, its first and last node or none; by a row of the table of nodes.
+    MoveAlong(u32, Waits),
     /// An instruction of a TP program, by a row of its table.
     Tp(u32),
+}
+
+/// What a MOVE finds on the stack, the last one on top.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum MoveKind {
+    /// A position.
+    To,
+    /// A position on the arc and a position.
+    Via,
+    /// A position and a distance.
+    Near,
+    /// A position on the arc, a position and a distance.
+    NearVia,
+    /// The number of a joint and a distance.
+    Axis,
+    /// A vector.
+    Relative,
+    /// A vector and an angle.
+    About,
+    /// A distance.
+    Away,
+}
+
+/// Where the position is in the nodes of a PATH.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct NodeShape {
+    pub(crate) offset: u32,
+    pub(crate) kind: PositionKind,
 }
 
 /// What a condition asks of the signals that a task has seen.
@@ -208,6 +242,11 @@ pub(crate) enum SignalTest {
     Own(TaskVerb),
     /// Of the task with this number.
     Of(TaskVerb),
+    /// A node of a MOVE ALONG was reached: this one, or any.
+    Node,
+    AnyNode,
+    /// The time, in milliseconds, and a node.
+    Time(NodeSide),
 }
 
 /// A condition handler: code for its conditions and its actions.
@@ -238,6 +277,8 @@ pub(crate) struct Code {
     pub(crate) reads: Vec<ReadShape>,
     pub(crate) writes: Vec<WriteShape>,
     pub(crate) handlers: Vec<HandlerShape>,
+    /// Nodes of the paths of MOVE ALONG.
+    pub(crate) nodes: Vec<NodeShape>,
     /// Instructions of a TP program.
     pub(crate) tp: Vec<crate::tp::Instruction>,
     /// Routines of other programs that are called.

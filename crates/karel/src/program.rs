@@ -24,7 +24,9 @@ pub struct Program {
     pub(crate) globals: HashMap<String, (u32, Type)>,
     pub(crate) global_cells: u32,
     pub(crate) global_files: Vec<u32>,
-    /// Those of them that are windows of the pendant.
+    /// PATH variables, and the size of a node of each.
+    pub(crate) global_paths: Vec<(u32, u32)>,
+    /// FILE variables that are windows of the pendant.
     pub(crate) windows: Vec<u32>,
     /// Names of the variables that keep their values without power.
     pub(crate) persistent: Vec<String>,
@@ -72,6 +74,7 @@ impl Program {
             globals: checked.globals,
             global_cells: checked.global_cells,
             global_files: checked.global_files,
+            global_paths: checked.global_paths,
             windows: checked.windows,
             persistent: checked.persistent,
             shared: checked.shared,
@@ -101,6 +104,7 @@ impl Program {
             globals: HashMap::new(),
             global_cells: 0,
             global_files: Vec::new(),
+            global_paths: Vec::new(),
             windows: Vec::new(),
             persistent: Vec::new(),
             shared: Vec::new(),

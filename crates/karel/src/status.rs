@@ -98,6 +98,9 @@ impl Status {
     /// INTP-358: a READ gave up waiting, see `ATR_TIMEOUT`.
     pub const INTP_READ_TIMEOUT: Status = Status(12358);
 
+    /// INTP-383: a PATH has no such node.
+    pub const INTP_PATH_NODE: Status = Status(12383);
+
     /// PRIO-002: illegal port number.
     pub const PRIO_PORT_NUMBER: Status = Status(13002);
 

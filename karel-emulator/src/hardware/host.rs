@@ -175,6 +175,12 @@ impl Host for Hardware {
         self.outcome(motion)
     }
 
+    fn motion_left(&self, motion: MotionId) -> Option<Duration> {
+        let running = self.executor.current()?.tag.id == motion;
+        let end = self.executor.next_end().filter(|_| running)?;
+        Some(end.saturating_sub(self.now))
+    }
+
     fn start_tp_motion(
         &mut self,
         task: TaskId,

@@ -7,6 +7,7 @@ mod joints;
 mod math;
 mod motion;
 mod panel;
+mod path;
 mod ports;
 mod register;
 mod semaphore;
@@ -21,9 +22,11 @@ use crate::{
     host::{Host, TaskId, Wait},
     ir::BuiltinSite,
     machine::{
-        Loaded, Tasks,
+        Loaded, Names, Tasks,
         cell::{Address, Cell, Memory},
+        created::Created,
         fault::Fault,
+        paths::Paths,
         semaphore::Semaphores,
         task::{Argument, Pending},
     },
@@ -84,6 +87,8 @@ pub(crate) enum Param {
     /// A variable of any type, not read.
     AnyVariable,
     AnyArray,
+    /// A PATH variable.
+    Path,
     /// Any value; a variable may be uninitialized.
     AnyValue,
 }
@@ -143,6 +148,7 @@ fn tables() -> impl Iterator<Item = &'static Builtin> {
         math::TABLE,
         motion::TABLE,
         panel::TABLE,
+        path::TABLE,
         ports::TABLE,
         register::TABLE,
         semaphore::TABLE,
@@ -158,7 +164,6 @@ fn tables() -> impl Iterator<Item = &'static Builtin> {
 /// error.
 const PLANNED: &[&str] = &[
     "ADD_DICT",
-    "APPEND_NODE",
     "APPEND_QUEUE",
     "AVL_POS_NUM",
     "BYNAME",
@@ -173,13 +178,11 @@ const PLANNED: &[&str] = &[
     "CNC_DYN_DISR",
     "CNC_DYN_DISS",
     "CNCL_STP_MTN",
-    "COPY_PATH",
     "COPY_QUEUE",
     "COPY_TPE",
     "CREATE_TPE",
     "CREATE_VAR",
     "DEL_INST_TPE",
-    "DELETE_NODE",
     "DELETE_QUEUE",
     "DISCTRL_ALPH",
     "DISCTRL_FORM",
@@ -205,13 +208,10 @@ const PLANNED: &[&str] = &[
     "INI_DYN_DISS",
     "INIT_QUEUE",
     "INIT_TBL",
-    "INSERT_NODE",
     "INSERT_QUEUE",
     "LOAD",
     "MODIFY_QUEUE",
-    "NODE_SIZE",
     "OPEN_TPE",
-    "PATH_LEN",
     "POP_KEY_RD",
     "PRINT_FILE",
     "PURGE_DEV",
@@ -258,6 +258,8 @@ pub(crate) struct Context<'a> {
     /// Arguments of the programs that were called, and how many callers there were.
     pub(crate) arguments: &'a [(usize, Vec<Argument>)],
     pub(crate) comments: &'a mut Comments,
+    pub(crate) paths: &'a mut Paths,
+    pub(crate) created: &'a mut Created,
     pub(crate) running: Running<'a>,
     pub(crate) limits: &'a Limits,
     pub(crate) host: &'a mut dyn Host,
@@ -276,6 +278,16 @@ pub(crate) struct Running<'a> {
 }
 
 impl Context<'_> {
+    /// What finds a variable by its name.
+    fn names(&self) -> Names<'_> {
+        Names {
+            programs: self.programs,
+            paths: self.paths,
+            created: self.created,
+            globals: self.memory.globals,
+        }
+    }
+
     fn arg(&self, number: usize) -> &Cell {
         let index = number + usize::from(self.site.result_in_memory);
         self.operands

@@ -151,7 +151,7 @@ fn set_program(
     path: &SysPath,
     value: Option<&Value>,
 ) -> Result<(), Status> {
-    let found = find_variable(context.programs, program, path)?;
+    let found = find_variable(context.names(), program, path)?;
     match value {
         None => context.memory.clear(found.at, &found.ty),
         Some(value) => {
@@ -167,7 +167,7 @@ fn set_program(
 fn get_var(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     let found = match target(context) {
         Ok(Target::System(path)) => get_system(context, &path),
-        Ok(Target::Program { program, path }) => find_variable(context.programs, &program, &path)
+        Ok(Target::Program { program, path }) => find_variable(context.names(), &program, &path)
             .and_then(|found| {
                 context
                     .memory

@@ -89,6 +89,14 @@ impl Checker<'_> {
                 }
                 (found, ty)
             }
+            Param::Path => {
+                let (found, ty) = self.any_variable(arg, false);
+                if !matches!(ty, Type::Path(_) | Type::Error) {
+                    let message = format!("expected a PATH, this is {ty}");
+                    self.reports.error(arg.span, message);
+                }
+                (found, ty)
+            }
             Param::AnyValue => self.any_value(arg),
         }
     }
@@ -193,7 +201,10 @@ impl Checker<'_> {
         } else {
             value.ty
         };
-        if matches!(ty, Type::File | Type::Array(_) | Type::Structure(_)) {
+        if matches!(
+            ty,
+            Type::File | Type::Array(_) | Type::Structure(_) | Type::Path(_)
+        ) {
             self.reports.error(
                 arg.span,
                 format!("a value of type {ty} is not supported here yet"),

@@ -177,8 +177,12 @@ impl Checker<'_> {
     fn copied_arg(&mut self, value: Expr, formal: &Type, span: Span) -> Arg {
         let value = self.convert(value, formal, span);
         if value.ty.holds_file() {
-            self.reports
-                .error(span, "a FILE can only be passed as a variable");
+            let what = if matches!(value.ty, Type::Path(_)) {
+                "a PATH can only be passed as a variable"
+            } else {
+                "a FILE can only be passed as a variable"
+            };
+            self.reports.error(span, what);
         }
         let open = matches!(formal, Type::Array(array) if array.dims.is_empty());
         if matches!(formal, Type::Array(array) if array.element == Type::TEXT) {

@@ -35,6 +35,11 @@ impl Checker<'_> {
                 PathStep::Index { subscripts, span } => {
                     self.index_step(&mut place, subscripts, *span)?;
                 }
+                PathStep::Range { span, .. } => {
+                    let message = "a range of nodes stands only in MOVE ALONG";
+                    self.reports.error(*span, message);
+                    return None;
+                }
             }
         }
         Some(place)
@@ -113,6 +118,17 @@ impl Checker<'_> {
             .iter()
             .map(|subscript| self.integer(subscript))
             .collect();
+        if let Type::Path(path) = place.ty.clone() {
+            let [subscript] = <[typed::Expr; 1]>::try_from(checked)
+                .map_err(|checked| {
+                    let message = format!("a PATH takes 1 subscript, here are {}", checked.len());
+                    self.reports.error(span, message);
+                })
+                .ok()?;
+            place.ty = path.node.clone();
+            place.steps.push(Step::Node(Box::new(subscript)));
+            return Some(());
+        }
         let Type::Array(array) = place.ty.clone() else {
             if place.ty != Type::Error {
                 self.reports
@@ -214,6 +230,11 @@ impl Checker<'_> {
                         .collect();
                     pattern.push_str(&sysvars::subscript_pattern(checked.len()));
                     steps.push(SystemStep::Index(checked));
+                }
+                PathStep::Range { span, .. } => {
+                    let message = "a range of nodes stands only in MOVE ALONG";
+                    self.reports.error(*span, message);
+                    return None;
                 }
             }
         }

@@ -89,6 +89,7 @@ impl Checker<'_> {
             | Type::Position(_)
             | Type::Joints(_)
             | Type::Array(_)
+            | Type::Path(_)
             | Type::Structure(_) => {
                 let message = format!("{statement} of {ty} is not supported yet");
                 self.reports.error(span, message);

@@ -7,22 +7,13 @@ use crate::{
     ast::{Dim, Expr, Name, Param, TypeExpr, TypeKind},
     typed::Constant,
     types::{
-        ArrayType, Field, JointKind, MAX_CELLS, MAX_STRING, MAX_TYPE_DEPTH, PositionKind, Small,
-        StructureType, TextLength, Type,
+        ArrayType, Field, JointKind, MAX_CELLS, MAX_NODE, MAX_STRING, MAX_TYPE_DEPTH, PathType,
+        PositionKind, Small, StructureType, TextLength, Type,
     },
 };
 
 /// Types of KAREL that this crate does not run yet.
-const NOT_YET: &[&str] = &[
-    "CAM_SETUP",
-    "COMMON_ASSOC",
-    "GROUP_ASSOC",
-    "MODEL",
-    "PATH",
-    "QUEUE_TYPE",
-    "STD_PTH_NODE",
-    "VIS_PROCESS",
-];
+const NOT_YET: &[&str] = &["CAM_SETUP", "MODEL", "QUEUE_TYPE", "VIS_PROCESS"];
 
 const BASIC_TYPES: [&str; 8] = [
     "INTEGER",
@@ -56,6 +47,9 @@ impl Checker<'_> {
             },
             TypeKind::Array { dims, element } => self.array_type(dims, element),
             TypeKind::Structure(fields) => self.structure_type(fields, declared_as, written),
+            TypeKind::Path { header, node } => {
+                self.path_type(header.as_deref(), node.as_deref(), written)
+            }
         }
     }
 
@@ -75,6 +69,9 @@ impl Checker<'_> {
             "SHORT" => Type::Small(Small::Short),
             "BYTE" => Type::Small(Small::Byte),
             "VECTOR" => Type::vector(),
+            "STD_PTH_NODE" => Type::standard_node(),
+            "GROUP_ASSOC" => Type::group_assoc(),
+            "COMMON_ASSOC" => Type::common_assoc(),
             "POSITION" => Type::Position(PositionKind::Position),
             "XYZWPR" => Type::Position(PositionKind::Xyzwpr),
             "XYZWPREXT" => Type::Position(PositionKind::XyzwprExt),
@@ -101,6 +98,7 @@ impl Checker<'_> {
 
     fn array_type(&mut self, dims: &[Dim], element: &TypeExpr) -> Type {
         let element_type = self.type_of(element, None);
+        self.refuse_path(&element_type, element);
         let open = dims.is_empty() || matches!(dims, [Dim::Open(_)]);
         if !(open && element_type == Type::TEXT) {
             self.refuse_open(&element_type, element);
@@ -145,6 +143,7 @@ impl Checker<'_> {
         for group in written {
             let ty = self.type_of(&group.ty, None);
             self.refuse_open(&ty, &group.ty);
+            self.refuse_path(&ty, &group.ty);
             for field in &group.names {
                 if fields.iter().any(|known| known.name == field.text) {
                     self.reports
@@ -170,6 +169,58 @@ impl Checker<'_> {
             depth,
         };
         self.limited(Type::Structure(Arc::new(structure)), whole)
+    }
+
+    /// `PATH PATHHEADER = t, NODEDATA = t`.
+    ///
+    /// ASSUMPTION: a header is a structure; both parts hold neither FILEs nor other paths.
+    fn path_type(
+        &mut self,
+        header: Option<&TypeExpr>,
+        node: Option<&TypeExpr>,
+        whole: &TypeExpr,
+    ) -> Type {
+        let header = header.map(|written| {
+            let ty = self.path_part(written);
+            if !matches!(ty, Type::Structure(_) | Type::Error) {
+                let message = format!("a PATHHEADER must be a STRUCTURE, this is {ty}");
+                self.reports.error(written.span, message);
+            }
+            ty
+        });
+        let node = node.map_or_else(Type::standard_node, |written| self.path_part(written));
+        let depth = header.as_ref().map_or(0, Type::depth).max(node.depth());
+        let path = PathType {
+            header,
+            node,
+            depth: depth + 1,
+        };
+        self.limited(Type::Path(Arc::new(path)), whole)
+    }
+
+    fn path_part(&mut self, written: &TypeExpr) -> Type {
+        let ty = self.type_of(written, None);
+        self.refuse_open(&ty, written);
+        if ty.holds_file() {
+            let message = "a FILE or a PATH cannot be in a PATH";
+            self.reports.error(written.span, message);
+            return Type::Error;
+        }
+        if ty.size() > MAX_NODE {
+            let message = format!("a node has more than {MAX_NODE} cells of memory");
+            self.reports.error(written.span, message);
+        }
+        ty
+    }
+
+    /// A PATH is a variable of its own.
+    ///
+    /// ASSUMPTION: never an element or a field.
+    fn refuse_path(&mut self, ty: &Type, written: &TypeExpr) {
+        if matches!(ty, Type::Path(_)) {
+            let message = "a PATH cannot be an element of an array or a field";
+            self.reports.error(written.span, message);
+        }
     }
 
     fn limited(&mut self, ty: Type, written: &TypeExpr) -> Type {
@@ -214,6 +265,7 @@ impl Checker<'_> {
             | Type::Position(_)
             | Type::Joints(_)
             | Type::Structure(_)
+            | Type::Path(_)
             | Type::Small(_)
             | Type::Error => false,
         };

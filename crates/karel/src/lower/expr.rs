@@ -288,6 +288,7 @@ fn comparison(relation: Relation, operands: &Type) -> Op {
         | Type::Joints(_)
         | Type::Array(_)
         | Type::Structure(_)
+        | Type::Path(_)
         | Type::Error => Op::CompareInteger(relation),
     }
 }

@@ -2,6 +2,7 @@
 
 mod condition;
 mod expr;
+mod motion;
 mod place;
 mod stmt;
 

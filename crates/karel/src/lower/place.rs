@@ -92,6 +92,10 @@ impl Lowering<'_> {
                     };
                     self.emit(Op::Index(row));
                 }
+                Step::Node(subscript) => {
+                    self.scalar(subscript);
+                    self.emit(Op::Rare(Rare::Node));
+                }
                 Step::OpenIndex {
                     subscript,
                     element_cells,
@@ -193,7 +197,7 @@ fn fixed(place: &Place) -> Option<Fixed> {
             } => {
                 offset += constant_offset(subscripts, dims)? * element_cells;
             }
-            Step::OpenIndex { .. } => return None,
+            Step::OpenIndex { .. } | Step::Node(_) => return None,
         }
     }
     match place.root {

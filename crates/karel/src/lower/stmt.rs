@@ -110,23 +110,16 @@ impl<'a> Lowering<'a> {
             }
             StmtKind::ConnectTimer(timer) => self.timer(timer, Outward::ConnectTimer),
             StmtKind::DisconnectTimer(timer) => self.timer(timer, Outward::DisconnectTimer),
-            StmtKind::MoveTo {
-                target,
+            StmtKind::Move {
+                form,
                 via,
                 waits,
                 whens,
                 until,
             } => {
-                if let Some(via) = via {
-                    self.value(via);
-                }
-                self.value(target);
+                let op = self.move_form(form, via.as_ref(), *waits);
                 self.local_handler(whens, until.as_ref());
-                self.emit(Op::Outward(if via.is_some() {
-                    Outward::MoveVia(*waits)
-                } else {
-                    Outward::Move(*waits)
-                }));
+                self.emit(Op::Outward(op));
             }
             StmtKind::Condition {
                 number,
@@ -387,6 +380,7 @@ fn scalar_type(ty: &Type) -> ScalarType {
         | Type::Joints(_)
         | Type::Array(_)
         | Type::Structure(_)
+        | Type::Path(_)
         | Type::Error => ScalarType::Integer,
     }
 }

@@ -6,7 +6,9 @@
 use super::{
     Loaded, Tasks, arithmetic,
     cell::{Address, Cell, Memory},
+    created::Created,
     fault::Fault,
+    paths::Paths,
     pulse::Pulses,
     semaphore::Semaphores,
     task::Task,
@@ -39,6 +41,8 @@ pub(super) struct Exec<'a> {
     pub(super) pulses: &'a mut Pulses,
     pub(super) byte_order: ByteOrder,
     pub(super) comments: &'a mut Comments,
+    pub(super) paths: &'a mut Paths,
+    pub(super) created: &'a mut Created,
     pub(super) task: &'a mut Task,
     pub(super) host: &'a mut dyn Host,
     pub(super) limits: &'a Limits,
@@ -269,6 +273,13 @@ impl Exec<'_> {
                     let message = format!("{value} is not in {least} to {most}");
                     return Err(Fault::new(Status::INTP_OVERFLOW, message));
                 }
+            }
+            Rare::Node => {
+                let subscript = self.pop_integer();
+                let at = self.pop_address();
+                let path = self.memory().get(at).expect_path();
+                let node = self.paths.expect_node(path, subscript)?;
+                self.push(Cell::Address(node));
             }
             Rare::CopyJoints {
                 from: from_cells,

@@ -144,10 +144,16 @@ impl Exec<'_> {
     /// Local conditions end with their motion; a MOVE that waits for it ends them itself.
     fn drop_local_ones(&mut self) {
         let host = &mut *self.host;
-        let awaited = if let Pending::Motion(motion) = self.task.pending {
-            Some(motion)
-        } else {
-            None
+        let awaited = match self.task.pending {
+            Pending::Motion(motion) => Some(motion),
+            Pending::Along => self.task.along.last().and_then(|along| along.motion),
+            Pending::None
+            | Pending::Until(_)
+            | Pending::Read { .. }
+            | Pending::Skipped(_)
+            | Pending::Deadline(_)
+            | Pending::Paused
+            | Pending::GivesUp => None,
         };
         self.task.handlers.retain(|handler| match handler.kind {
             HandlerKind::Local(Some(motion)) if Some(motion) != awaited => {
@@ -358,6 +364,14 @@ impl Exec<'_> {
         is_there
     }
 
+    /// The conditions of a MOVE ALONG stay until the motion to its last node ends.
+    pub(super) fn local_goes_on(&mut self, from: MotionId, to: MotionId) {
+        let handlers = self.task.handlers.iter_mut();
+        for handler in handlers.filter(|handler| handler.kind == HandlerKind::Local(Some(from))) {
+            handler.kind = HandlerKind::Local(Some(to));
+        }
+    }
+
     pub(super) fn local_ends(&mut self, motion: MotionId) {
         let kind = HandlerKind::Local(Some(motion));
         self.task.handlers.retain(|handler| handler.kind != kind);
@@ -425,12 +439,18 @@ impl Exec<'_> {
 
     pub(super) fn signaled(&mut self, test: SignalTest) -> Flow {
         let number = match test {
-            SignalTest::AnyError | SignalTest::Own(_) => 0,
-            SignalTest::Event | SignalTest::Semaphore | SignalTest::Error | SignalTest::Of(_) => {
-                self.pop_integer()
-            }
+            SignalTest::AnyError | SignalTest::AnyNode | SignalTest::Own(_) => 0,
+            SignalTest::Event
+            | SignalTest::Semaphore
+            | SignalTest::Error
+            | SignalTest::Node
+            | SignalTest::Time(_)
+            | SignalTest::Of(_) => self.pop_integer(),
         };
-        let holds = if test == SignalTest::Semaphore {
+        let holds = if let SignalTest::Time(side) = test {
+            let milliseconds = self.pop_integer();
+            self.node_time(side, milliseconds, number)
+        } else if test == SignalTest::Semaphore {
             // ASSUMPTION: it holds while the count is above 0, and takes nothing from it.
             self.semaphores
                 .count(number)
@@ -441,7 +461,9 @@ impl Exec<'_> {
             signals.any(|signal| match (signal, test) {
                 (Signal::Event(event), SignalTest::Event) => event == number,
                 (Signal::Error(code), SignalTest::Error) => code == number,
-                (Signal::Error(_), SignalTest::AnyError) => true,
+                (Signal::Error(_), SignalTest::AnyError)
+                | (Signal::Node(_), SignalTest::AnyNode) => true,
+                (Signal::Node(node), SignalTest::Node) => node == number,
                 (Signal::Task(verb, task), SignalTest::Own(wanted)) => {
                     verb == wanted && task == own
                 }

@@ -3,13 +3,16 @@
 mod arithmetic;
 mod calls;
 pub(crate) mod cell;
+pub(crate) mod created;
 mod exec;
 pub(crate) mod fault;
 mod handlers;
 mod inspect;
 mod link;
+mod moving;
 mod operands;
 mod outward;
+pub(crate) mod paths;
 mod ports;
 mod power;
 mod pulse;
@@ -36,19 +39,21 @@ use crate::{
     run::{ByteOrder, Limits, Run, Slice, TaskState, TaskView},
 };
 use cell::Cell;
+use created::Created;
 use exec::{Exec, Stop};
 use link::Link;
+use paths::Paths;
 use pulse::Pulses;
 use semaphore::Semaphores;
 use timer::Timers;
 
-pub(crate) use arithmetic::finite;
+pub(crate) use arithmetic::{finite, real};
 use fault::Fault;
 pub use inspect::VariableView;
 pub(crate) use system::{component_of, set_component};
 use task::{Signal, Task};
 pub(crate) use tasks::Tasks;
-pub(crate) use variables::find as find_variable;
+pub(crate) use variables::{Names, find as find_variable, locate as locate_variable};
 
 /// Programs and tasks of one controller.
 ///
@@ -67,6 +72,8 @@ pub struct Machine {
     byte_order: ByteOrder,
     /// Comments of ports.
     comments: Comments,
+    paths: Paths,
+    created: Created,
 }
 
 #[derive(Debug)]
@@ -170,6 +177,8 @@ impl Machine {
             pulses: Pulses::default(),
             byte_order: ByteOrder::default(),
             comments: Comments::default(),
+            paths: Paths::default(),
+            created: Created::default(),
         }
     }
 
@@ -197,6 +206,11 @@ impl Machine {
         for file in &program.global_files {
             if let Some(cell) = self.globals.get_mut(base + *file as usize) {
                 *cell = Cell::File(program.closed_file(*file));
+            }
+        }
+        for (path, size) in &program.global_paths {
+            if let Some(cell) = self.globals.get_mut(base + *path as usize) {
+                *cell = self.paths.add(*size);
             }
         }
         let base = u32::try_from(base).unwrap_or(u32::MAX);
@@ -267,6 +281,8 @@ impl Machine {
             pulses: &mut self.pulses,
             byte_order: self.byte_order,
             comments: &mut self.comments,
+            paths: &mut self.paths,
+            created: &mut self.created,
             task,
             host,
             limits: &self.limits,
@@ -439,6 +455,7 @@ fn open_file(cell: &Cell) -> Option<crate::host::FileId> {
         | Cell::Boolean(_)
         | Cell::Text(_)
         | Cell::Config(_)
+        | Cell::Path(_)
         | Cell::Address(_) => None,
     }
 }

@@ -7,12 +7,10 @@ use super::{
     task::Pending,
 };
 use crate::{
-    ast::Waits,
     builtins::{Context, Outcome, Running},
-    host::{MotionId, MotionRequest, MoveEnd, Progress, Wait},
+    host::Wait,
     ir::Outward,
     status::Status,
-    types::PositionKind,
 };
 
 impl Exec<'_> {
@@ -66,8 +64,8 @@ impl Exec<'_> {
                 self.timers.disconnect(at);
                 Ok(Flow::Next)
             }
-            Outward::Move(waits) => self.move_to(waits, false),
-            Outward::MoveVia(waits) => self.move_to(waits, true),
+            Outward::Move(kind, waits) => self.move_arm(kind, waits),
+            Outward::MoveAlong(row, waits) => self.move_along(row, waits),
             Outward::Tp(row) => self.tp(row),
         }
     }
@@ -90,6 +88,8 @@ impl Exec<'_> {
             pending: &mut self.task.pending,
             arguments: &self.task.tp.arguments,
             comments: self.comments,
+            paths: self.paths,
+            created: self.created,
             running: Running {
                 name: &self.task.name,
                 line: program.code.lines.get(self.task.pc).copied().unwrap_or(0),
@@ -158,74 +158,5 @@ impl Exec<'_> {
         let until = self.host.now().saturating_add(pause);
         self.task.pending = Pending::Until(until);
         Ok(Flow::Blocked(Wait::Until(until)))
-    }
-
-    /// Conditions are looked at before the statement goes on.
-    fn moves_with_conditions(&mut self, motion: MotionId, waits: Waits, operands: usize) -> Flow {
-        if waits == Waits::Yes {
-            self.task.pending = Pending::Motion(motion);
-        } else {
-            self.drop_operands(operands);
-            self.task.pc += 1;
-        }
-        Flow::Yield
-    }
-
-    fn move_to(&mut self, waits: Waits, has_via: bool) -> Result<Flow, Fault> {
-        let operands = 1 + usize::from(has_via);
-        let motion = if let Pending::Motion(motion) = self.task.pending {
-            motion
-        } else {
-            let at = self.operand_address(0);
-            let target = self.memory().position(at, PositionKind::XyzwprExt)?;
-            let via = if has_via {
-                let at = self.operand_address(1);
-                Some(self.memory().position(at, PositionKind::XyzwprExt)?)
-            } else {
-                None
-            };
-            let request = MotionRequest {
-                target,
-                via,
-                group: 1,
-                end: match waits {
-                    Waits::Yes => MoveEnd::Wait,
-                    Waits::No => MoveEnd::NoWait,
-                },
-                program: self.program.name_arc(),
-                line: self
-                    .program
-                    .code
-                    .lines
-                    .get(self.task.pc)
-                    .copied()
-                    .unwrap_or(0),
-            };
-            match self.host.start_motion(self.id, request) {
-                Progress::Pending(wait) => return Ok(Flow::Blocked(wait)),
-                Progress::Ready(Ok(motion)) => {
-                    if self.local_starts(motion) {
-                        return Ok(self.moves_with_conditions(motion, waits, operands));
-                    }
-                    motion
-                }
-                Progress::Ready(Err(status)) => {
-                    return Err(Fault::from_host(status, "The motion was refused"));
-                }
-            }
-        };
-        if waits == Waits::Yes {
-            self.task.pending = Pending::Motion(motion);
-            match self.host.motion_ended(motion) {
-                Progress::Pending(wait) => return Ok(Flow::Blocked(wait)),
-                Progress::Ready(status) if !status.is_ok() => {
-                    return Err(Fault::from_host(status, "The motion failed"));
-                }
-                Progress::Ready(_) => self.task.pending = Pending::None,
-            }
-            self.local_ends(motion);
-        }
-        self.drop_operands(operands);
-        Ok(Flow::Next)
     }
 }

@@ -118,6 +118,7 @@ impl Exec<'_> {
             Pending::None
             | Pending::Until(_)
             | Pending::Motion(_)
+            | Pending::Along
             | Pending::Skipped(_)
             | Pending::Deadline(_)
             | Pending::Paused
@@ -388,7 +389,11 @@ impl Exec<'_> {
                 Cell::Real(value) => text_writer::real(&mut out, *value, width, digits),
                 Cell::Boolean(value) => text_writer::boolean(&mut out, *value, width),
                 Cell::Text(value) => text_writer::text(&mut out, value.as_bytes(), width),
-                Cell::Uninit | Cell::Config(_) | Cell::File(_) | Cell::Address(_) => {
+                Cell::Uninit
+                | Cell::Config(_)
+                | Cell::File(_)
+                | Cell::Path(_)
+                | Cell::Address(_) => {
                     unreachable!("the checker refuses WRITE of {value:?}")
                 }
             }
@@ -403,7 +408,12 @@ fn word_of(cell: &Cell) -> Option<u32> {
         Cell::Integer(value) => Some(value.cast_unsigned()),
         Cell::Real(value) => Some(value.to_bits()),
         Cell::Boolean(value) => Some(u32::from(*value)),
-        Cell::Uninit | Cell::Text(_) | Cell::Config(_) | Cell::File(_) | Cell::Address(_) => None,
+        Cell::Uninit
+        | Cell::Text(_)
+        | Cell::Config(_)
+        | Cell::File(_)
+        | Cell::Path(_)
+        | Cell::Address(_) => None,
     }
 }
 

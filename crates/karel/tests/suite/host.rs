@@ -7,8 +7,9 @@ use std::{
 
 use karel::{
     AlarmView, FileId, HandAction, Host, Input, InputEnd, JointPosition, Limits, Machine, MotionId,
-    MotionRequest, MoveEnd, OpenMode, Port, PortValue, Position, Program, ProgramAlarm, Progress,
-    Run, RuntimeError, Status, SysPath, SysValue, TaskId, Text, Value, Wait, Xyzwpr, XyzwprExt,
+    MotionPath, MotionRequest, MoveEnd, OpenMode, Port, PortValue, Position, Program, ProgramAlarm,
+    Progress, Run, RuntimeError, Status, SysPath, SysValue, TaskId, Text, Value, Wait, Xyzwpr,
+    XyzwprExt,
 };
 
 /// What the world does, in this order; each is done when the program waits for it.
@@ -420,7 +421,17 @@ impl Host for ScriptedHost {
             MoveEnd::NoWait => "nowait",
         };
         let place = shown(&Value::XyzwprExt(motion.target));
-        self.note(&format!("move {place} {word} line {}", motion.line));
+        let mut line = format!("move {place} {word} line {}", motion.line);
+        if let Some(via) = motion.via {
+            line += &format!(" via {}", shown(&Value::XyzwprExt(via)));
+        }
+        if let Some(joints) = &motion.joints {
+            line += &format!(" joints {:?}", joints.axes);
+        }
+        if motion.path == MotionPath::Straight {
+            line += " straight";
+        }
+        self.note(&line);
         self.moves.push(motion);
         let id = MotionId(self.moves.len() as u64);
         self.moving = Some(id);
@@ -433,6 +444,10 @@ impl Host for ScriptedHost {
         }
         self.note("motion ended");
         Progress::Ready(Status::OK)
+    }
+
+    fn motion_left(&self, motion: MotionId) -> Option<Duration> {
+        (self.moving == Some(motion)).then_some(Duration::from_millis(10))
     }
 
     fn post_alarm(&mut self, _: TaskId, alarm: &RuntimeError) {
