@@ -21,6 +21,12 @@ use crate::{
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct FileId(pub u32);
 
+impl FileId {
+    /// The keyboard of the pendant, which needs no OPEN: what an operator types is its
+    /// [`Host::input`]. A host must give this number to no file of its own.
+    pub const KEYBOARD: FileId = FileId(u32::MAX);
+}
+
 /// A motion that was started, named by the host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct MotionId(pub u64);
@@ -284,7 +290,7 @@ pub trait Host {
     /// Breaks reads and writes in progress. Output that was written is not discarded.
     fn cancel_file(&mut self, file: FileId) -> Status;
 
-    /// Bytes received and not yet consumed.
+    /// Bytes received and not yet consumed; of [`FileId::KEYBOARD`], what was typed.
     fn input(&self, file: FileId) -> Input<'_>;
 
     /// Drops the first `count` bytes of [`Host::input`]; `count` is at most their number.
@@ -340,6 +346,26 @@ pub trait Host {
         _value: PortValue,
     ) -> Result<(), Status> {
         Err(Status::PRIO_PORT_NUMBER)
+    }
+
+    /// Whether programs see another value of a port than the world puts on it.
+    fn port_is_simulated(&self, _port: Port, _number: i32) -> bool {
+        false
+    }
+
+    /// Lets programs see this value of a port, or again what the world puts on it.
+    ///
+    /// # Errors
+    /// As [`Host::port`]; [`Status::INTP_ARGUMENT`] for a port that cannot be simulated. A host that
+    /// simulates nothing keeps this answer.
+    fn simulate_port(
+        &mut self,
+        _task: TaskId,
+        _port: Port,
+        _number: i32,
+        _value: Option<PortValue>,
+    ) -> Result<(), Status> {
+        Err(Status::INTP_ARGUMENT)
     }
 
     /// Where `$UTOOL` is in `$UFRAME` now, with the configuration filled in. `group` from 1.

@@ -4,7 +4,7 @@
 //! positions stay in memory and are named by the address of their first cell. Everything an
 //! instruction needs beyond a number lies in a table of [`Code`].
 
-use std::sync::Arc;
+use std::{collections::BTreeMap, sync::Arc};
 
 use crate::{
     ast::{
@@ -117,6 +117,15 @@ pub(crate) enum Rare {
         least: i32,
         most: i32,
     },
+    /// Subscripts above the address of an open array of so many dimensions.
+    OpenGrid {
+        dims: u8,
+        element_cells: u32,
+    },
+    /// Push what is at an address, if it has no value, too.
+    LoadAny,
+    /// As `LoadAny`, of a configuration, which has a default value.
+    LoadConfig,
     /// A subscript above the address of a PATH: the address of the node.
     Node,
     /// Copies joints: a source address above a target address, and their cells.
@@ -149,6 +158,8 @@ pub(crate) enum Outward {
     FetchSystem(u32),
     /// Stores after an output argument was written, uninitialized or not.
     ReturnSystem(u32),
+    /// The names of a program and of a variable become its address; by a row of the table of types.
+    ByName(u32),
     /// Its number on the stack.
     LoadPort(Port),
     /// Its number above the value.
@@ -277,10 +288,14 @@ pub(crate) struct Code {
     pub(crate) reads: Vec<ReadShape>,
     pub(crate) writes: Vec<WriteShape>,
     pub(crate) handlers: Vec<HandlerShape>,
+    /// Types of what BYNAME finds.
+    pub(crate) types: Vec<Type>,
     /// Nodes of the paths of MOVE ALONG.
     pub(crate) nodes: Vec<NodeShape>,
     /// Instructions of a TP program.
     pub(crate) tp: Vec<crate::tp::Instruction>,
+    /// Positions of a TP program.
+    pub(crate) positions: BTreeMap<i32, Arc<crate::tp::Taught>>,
     /// Routines of other programs that are called.
     pub(crate) externals: Vec<External>,
     /// The main body first.
@@ -406,6 +421,13 @@ pub(crate) enum ReadPart {
     LineEnd,
 }
 
+impl ReadPart {
+    pub(crate) fn is_config(&self) -> bool {
+        let config = ScalarType::Config;
+        matches!(self, ReadPart::Value { ty, .. } if *ty == config)
+    }
+}
+
 #[derive(Debug)]
 pub(crate) struct WriteShape {
     pub(crate) to_file: bool,
@@ -419,6 +441,8 @@ pub(crate) enum WritePart {
     Value {
         ty: ScalarType,
         formats: u32,
+        /// A number behind others of a position or an array: a blank is before it.
+        follows: bool,
     },
     LineEnd,
 }
@@ -430,6 +454,7 @@ pub(crate) enum ScalarType {
     Real,
     Boolean,
     Text,
+    Config,
     /// Elements of arrays and fields; INTEGERs everywhere else.
     Short,
     Byte,

@@ -328,6 +328,11 @@ pub(crate) enum Step {
         dims: Vec<u32>,
         element_cells: u32,
     },
+    /// Into an open array of several dimensions, whose lengths the reference carries.
+    OpenGrid {
+        subscripts: Vec<Expr>,
+        element_cells: u32,
+    },
     /// A node of a PATH.
     Node(Box<Expr>),
     /// Into an open array, whose length the reference carries; 0 cells mean strings whose length it
@@ -383,8 +388,15 @@ pub(crate) struct BuiltinCall {
 pub(crate) enum Arg {
     /// The variable itself; may be uninitialized.
     Reference(Place),
-    /// An array of strings where both lengths are open.
-    TextArray { place: Place, lengths: u32 },
+    /// An array where several lengths are open: those of dimensions, or those of an array and of its
+    /// strings.
+    OpenArray { place: Place, lengths: u32 },
+    /// `BYNAME`: a variable of this type that is found when the call is made.
+    ByName {
+        program: Expr,
+        variable: Expr,
+        formal: Type,
+    },
     /// A copy in a temporary variable of this type.
     Copy { value: Expr, formal: Type },
     /// A scalar on the operand stack, or the address of a temporary.

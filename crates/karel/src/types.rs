@@ -106,11 +106,59 @@ pub(crate) struct PathType {
 
 #[derive(Debug, PartialEq)]
 pub(crate) struct ArrayType {
-    /// Lengths of the dimensions; none for an open array.
+    /// Lengths of the dimensions; none for an open array, zeros for an open one of several.
     pub(crate) dims: Vec<u32>,
     pub(crate) element: Type,
     /// Levels of arrays and structures, this one included.
     pub(crate) depth: u32,
+}
+
+impl ArrayType {
+    pub(crate) fn is_open(&self) -> bool {
+        self.dims.is_empty() || self.is_open_grid()
+    }
+
+    /// Open, with several dimensions.
+    pub(crate) fn is_open_grid(&self) -> bool {
+        self.dims.contains(&0)
+    }
+}
+
+/// Most open dimensions of an array.
+pub(crate) const MAX_OPEN_DIMS: usize = 3;
+
+/// Bits for the length of one of this many dimensions.
+const GRID_BITS: [u32; 2] = [16, 10];
+
+fn grid_bits(dims: usize) -> u32 {
+    let index = dims.saturating_sub(2);
+    GRID_BITS.get(index).copied().unwrap_or(0)
+}
+
+/// The lengths of two or three dimensions as one number, which a reference carries; `None` if one
+/// is too long for that.
+pub(crate) fn grid_lengths(dims: &[u32]) -> Option<u32> {
+    let bits = grid_bits(dims.len());
+    let mut lengths = 0;
+    for dim in dims {
+        if *dim >> bits != 0 {
+            return None;
+        }
+        lengths = lengths << bits | dim;
+    }
+    (bits > 0).then_some(lengths)
+}
+
+/// The lengths of [`grid_lengths`].
+pub(crate) fn split_grid(mut lengths: u32, dims: usize) -> Vec<u32> {
+    let bits = grid_bits(dims);
+    let mut split = Vec::new();
+    for _ in 0..dims {
+        split.push(lengths & ((1 << bits) - 1));
+        lengths >>= bits;
+    }
+    split.reverse();
+    split
 }
 
 #[derive(Debug)]
@@ -137,6 +185,7 @@ pub(crate) struct Field {
 }
 
 const VECTOR: &str = "VECTOR";
+const QUEUE: &str = "QUEUE_TYPE";
 const STANDARD_NODE: &str = "STD_PTH_NODE";
 
 /// A structure that no program declares.
@@ -257,6 +306,54 @@ impl Type {
         )
     }
 
+    /// The type of the language with this name, in upper case.
+    pub(crate) fn named(name: &str) -> Option<Type> {
+        if let Some(axes) = name.strip_prefix("JOINTPOS") {
+            return Some(Type::Joints(match axes.as_bytes() {
+                [] => JointKind::OfGroup,
+                [digit @ b'1'..=b'9'] => JointKind::Axes(digit - b'0'),
+                _ => return None,
+            }));
+        }
+        Some(match name {
+            "INTEGER" => Type::Integer,
+            "REAL" => Type::Real,
+            "BOOLEAN" => Type::Boolean,
+            "FILE" => Type::File,
+            "CONFIG" => Type::Config,
+            "SHORT" => Type::Small(Small::Short),
+            "BYTE" => Type::Small(Small::Byte),
+            "VECTOR" => Type::vector(),
+            "STD_PTH_NODE" => Type::standard_node(),
+            "GROUP_ASSOC" => Type::group_assoc(),
+            "COMMON_ASSOC" => Type::common_assoc(),
+            "QUEUE_TYPE" => Type::queue(),
+            "POSITION" => Type::Position(PositionKind::Position),
+            "XYZWPR" => Type::Position(PositionKind::Xyzwpr),
+            "XYZWPREXT" => Type::Position(PositionKind::XyzwprExt),
+            _ => return None,
+        })
+    }
+
+    /// What the queue built-ins keep beside the data of a queue.
+    ///
+    /// ASSUMPTION: programs do not look at the fields, whose names are ours.
+    pub(crate) fn queue() -> Type {
+        structure(
+            QUEUE,
+            &[
+                ("FIRST", Type::Integer),
+                ("COUNT", Type::Integer),
+                ("SEQUENCE", Type::Integer),
+            ],
+        )
+    }
+
+    pub(crate) fn is_queue(&self) -> bool {
+        matches!(self, Type::Structure(structure) if structure.name == QUEUE)
+            && *self == Type::queue()
+    }
+
     pub(crate) fn is_standard_node(&self) -> bool {
         matches!(self, Type::Structure(structure) if structure.name == STANDARD_NODE)
             && *self == Type::standard_node()
@@ -281,10 +378,9 @@ impl Type {
             | Type::Error => 1,
             Type::Position(kind) => kind.size(),
             Type::Joints(kind) => kind.size(),
-            Type::Array(array) => array
-                .dims
-                .iter()
-                .fold(array.element.size(), |size, dim| size.saturating_mul(*dim)),
+            Type::Array(array) => array.dims.iter().fold(array.element.size(), |size, dim| {
+                size.saturating_mul((*dim).max(1))
+            }),
             Type::Structure(structure) => structure.size,
             Type::Path(path) => 1_u32.saturating_add(path.header.as_ref().map_or(0, Type::size)),
         }
@@ -325,6 +421,7 @@ impl Type {
         }
         if let Type::Array(array) = self
             && let [length] = array.dims.as_slice()
+            && *length > 0
         {
             return Some(*length);
         }
@@ -463,7 +560,11 @@ impl fmt::Display for Type {
             Type::Joints(JointKind::Axes(axes)) => write!(f, "JOINTPOS{axes}"),
             Type::Array(array) if array.dims.is_empty() => write!(f, "ARRAY OF {}", array.element),
             Type::Array(array) => {
-                let dims: Vec<String> = array.dims.iter().map(u32::to_string).collect();
+                let length = |dim: &u32| match dim {
+                    0 => "*".to_owned(),
+                    dim => dim.to_string(),
+                };
+                let dims: Vec<String> = array.dims.iter().map(length).collect();
                 write!(f, "ARRAY[{}] OF {}", dims.join(","), array.element)
             }
             Type::Structure(structure) => f.write_str(&structure.name),

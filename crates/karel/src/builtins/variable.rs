@@ -11,7 +11,7 @@ use crate::{
     status::Status,
     syspath::SysPath,
     sysvars,
-    types::{Type, split_text_array},
+    types::{Type, split_grid, split_text_array},
     value::{SysValue, Value},
 };
 
@@ -42,6 +42,10 @@ pub(super) fn array_length(ty: &Type, extra: u32) -> u32 {
         return extra;
     };
     match array.dims.first() {
+        Some(0) => {
+            let lengths = split_grid(extra, array.dims.len());
+            lengths.first().copied().unwrap_or(0)
+        }
         Some(length) => *length,
         None if array.element == Type::TEXT => split_text_array(extra).0,
         None => extra,

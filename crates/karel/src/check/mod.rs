@@ -41,6 +41,8 @@ pub(crate) struct Checked {
     pub(crate) global_paths: Vec<(u32, u32)>,
     /// Cells of the FILE variables that are windows of the pendant.
     pub(crate) windows: Vec<u32>,
+    /// Types by name.
+    pub(crate) types: HashMap<String, Type>,
     /// Names of the variables that keep their values without power.
     pub(crate) persistent: Vec<String>,
     /// Variables of other programs.
@@ -230,6 +232,7 @@ impl Checker<'_> {
             global_cells: self.globals.cells,
             global_files: self.globals.files.clone(),
             global_paths: self.globals.paths.clone(),
+            types: self.globals.types(),
             globals: self.globals.into_variables(),
             externals: self.externals,
             shared: self.shared,

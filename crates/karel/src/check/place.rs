@@ -66,12 +66,7 @@ impl Checker<'_> {
                 return None;
             }
             None if self.is_predefined_file(path) => {
-                let cell = self.window(&path.root.text);
-                return Some(Place {
-                    root: typed::Root::Global(cell),
-                    steps: Vec::new(),
-                    ty: Type::File,
-                });
+                return Some(self.window_place(&path.root.text));
             }
             None if predefined(&path.root.text).is_some() => {
                 let message = format!("`{}` is a constant, not a variable", path.root.text);
@@ -88,6 +83,15 @@ impl Checker<'_> {
             steps: Vec::new(),
             ty,
         })
+    }
+
+    pub(super) fn window_place(&mut self, name: &str) -> Place {
+        let cell = self.window(name);
+        Place {
+            root: typed::Root::Global(cell),
+            steps: Vec::new(),
+            ty: Type::File,
+        }
     }
 
     /// The cell of a FILE variable that exists without a declaration.
@@ -159,7 +163,12 @@ impl Checker<'_> {
             array.element.size()
         };
         place.ty = array.element.clone();
-        if !array.dims.is_empty() {
+        if array.is_open_grid() {
+            place.steps.push(Step::OpenGrid {
+                subscripts: checked,
+                element_cells,
+            });
+        } else if !array.dims.is_empty() {
             let dims = array.dims.clone();
             place.steps.push(Step::Index {
                 subscripts: checked,

@@ -67,6 +67,18 @@ impl Scope {
         }
     }
 
+    /// The types, for look-up by name at run time.
+    pub(super) fn types(&self) -> HashMap<String, Type> {
+        let types = self
+            .symbols
+            .iter()
+            .filter_map(|(name, symbol)| match symbol {
+                Symbol::Type(ty) => Some((name.clone(), ty.clone())),
+                Symbol::Variable { .. } | Symbol::Constant(_) => None,
+            });
+        types.collect()
+    }
+
     /// The global variables, for look-up by name at run time.
     pub(super) fn into_variables(self) -> HashMap<String, (u32, Type)> {
         let variable = |(name, symbol)| match symbol {

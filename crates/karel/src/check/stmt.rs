@@ -59,7 +59,7 @@ impl Checker<'_> {
                 otherwise,
             } => Some(self.select(value, cases, otherwise.as_deref())),
             ast::StmtKind::Return(value) => self.return_statement(value.as_ref(), stmt.span),
-            ast::StmtKind::Read { file, items } => self.read(file.as_ref(), items, stmt.span),
+            ast::StmtKind::Read { file, items } => self.read(file.as_ref(), items),
             ast::StmtKind::Write { file, items } => self.write(file.as_ref(), items),
             ast::StmtKind::OpenFile { file, mode, name } => {
                 let (mode, name) = (

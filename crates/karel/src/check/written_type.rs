@@ -7,8 +7,8 @@ use crate::{
     ast::{Dim, Expr, Name, Param, TypeExpr, TypeKind},
     typed::Constant,
     types::{
-        ArrayType, Field, JointKind, MAX_CELLS, MAX_NODE, MAX_STRING, MAX_TYPE_DEPTH, PathType,
-        PositionKind, Small, StructureType, TextLength, Type,
+        ArrayType, Field, MAX_CELLS, MAX_NODE, MAX_OPEN_DIMS, MAX_STRING, MAX_TYPE_DEPTH, PathType,
+        StructureType, TextLength, Type,
     },
 };
 
@@ -25,16 +25,6 @@ const BASIC_TYPES: [&str; 8] = [
     "XYZWPR",
     "XYZWPREXT",
 ];
-
-/// `JOINTPOS`, `JOINTPOS6`.
-fn joint_kind(name: &str) -> Option<Type> {
-    let axes = name.strip_prefix("JOINTPOS")?;
-    Some(Type::Joints(match axes.as_bytes() {
-        [] => JointKind::OfGroup,
-        [digit @ b'1'..=b'9'] => JointKind::Axes(digit - b'0'),
-        _ => return None,
-    }))
-}
 
 impl Checker<'_> {
     pub(super) fn type_of(&mut self, written: &TypeExpr, declared_as: Option<&str>) -> Type {
@@ -57,24 +47,10 @@ impl Checker<'_> {
         if let Some(Symbol::Type(ty)) = self.find_symbol(&name.text) {
             return ty.clone();
         }
-        if let Some(ty) = joint_kind(&name.text) {
+        if let Some(ty) = Type::named(&name.text) {
             return ty;
         }
         match name.text.as_str() {
-            "INTEGER" => Type::Integer,
-            "REAL" => Type::Real,
-            "BOOLEAN" => Type::Boolean,
-            "FILE" => Type::File,
-            "CONFIG" => Type::Config,
-            "SHORT" => Type::Small(Small::Short),
-            "BYTE" => Type::Small(Small::Byte),
-            "VECTOR" => Type::vector(),
-            "STD_PTH_NODE" => Type::standard_node(),
-            "GROUP_ASSOC" => Type::group_assoc(),
-            "COMMON_ASSOC" => Type::common_assoc(),
-            "POSITION" => Type::Position(PositionKind::Position),
-            "XYZWPR" => Type::Position(PositionKind::Xyzwpr),
-            "XYZWPREXT" => Type::Position(PositionKind::XyzwprExt),
             text if NOT_YET.contains(&text) => {
                 self.reports
                     .error(name.span, format!("the type {text} is not supported yet"));
@@ -103,6 +79,7 @@ impl Checker<'_> {
         if !(open && element_type == Type::TEXT) {
             self.refuse_open(&element_type, element);
         }
+        let all_open = dims.iter().all(|dim| matches!(dim, Dim::Open(_)));
         let mut lengths = Vec::new();
         for dim in dims {
             match dim {
@@ -111,8 +88,11 @@ impl Checker<'_> {
                     None => return Type::Error,
                 },
                 Dim::Open(_) if dims.len() == 1 => {}
+                Dim::Open(_) if all_open && dims.len() <= MAX_OPEN_DIMS => lengths.push(0),
                 Dim::Open(span) => {
-                    let message = "open arrays of several dimensions are not supported yet";
+                    let message = format!(
+                        "open dimensions stand alone, and there are at most {MAX_OPEN_DIMS}"
+                    );
                     self.reports.error(*span, message);
                     return Type::Error;
                 }
@@ -255,7 +235,7 @@ impl Checker<'_> {
     pub(super) fn refuse_open(&mut self, ty: &Type, written: &TypeExpr) {
         let open = match ty {
             Type::Text(TextLength::Any) => true,
-            Type::Array(array) => array.dims.is_empty(),
+            Type::Array(array) => array.is_open(),
             Type::Integer
             | Type::Real
             | Type::Boolean

@@ -5,6 +5,7 @@ mod expr;
 mod motion;
 mod place;
 mod stmt;
+mod transfer;
 
 use std::collections::HashMap;
 

@@ -7,23 +7,26 @@ use super::{
     Loaded, Tasks, arithmetic,
     cell::{Address, Cell, Memory},
     created::Created,
+    dictionaries::Dictionaries,
     fault::Fault,
     paths::Paths,
     pulse::Pulses,
     semaphore::Semaphores,
     task::Task,
+    teaching::Teaching,
     timer::Timers,
 };
 use crate::{
     error::RuntimeError,
     host::{Host, TaskId, Wait},
     ir::{Op, Rare},
-    port::Comments,
+    port::{Comments, PortSetup},
+    position::Config,
     program::Program,
     registers::Registers,
     run::{ByteOrder, Limits},
     status::Status,
-    types::{MAX_STRING, Type, split_text_array},
+    types::{MAX_STRING, Type, split_grid, split_text_array},
     value::real_of,
 };
 
@@ -43,6 +46,9 @@ pub(super) struct Exec<'a> {
     pub(super) comments: &'a mut Comments,
     pub(super) paths: &'a mut Paths,
     pub(super) created: &'a mut Created,
+    pub(super) dictionaries: &'a mut Dictionaries,
+    pub(super) port_setup: &'a mut PortSetup,
+    pub(super) teaching: &'a mut Teaching,
     pub(super) task: &'a mut Task,
     pub(super) host: &'a mut dyn Host,
     pub(super) limits: &'a Limits,
@@ -273,6 +279,33 @@ impl Exec<'_> {
                     let message = format!("{value} is not in {least} to {most}");
                     return Err(Fault::new(Status::INTP_OVERFLOW, message));
                 }
+            }
+            Rare::OpenGrid {
+                dims,
+                element_cells,
+            } => {
+                let count = usize::from(dims);
+                let at = self.operand_address(count);
+                let mut offset = 0;
+                for (below, dim) in (0..count).rev().zip(split_grid(at.extra, count)) {
+                    let subscript = self.operand(below).expect_integer();
+                    offset = offset * dim + subscript_offset(subscript, dim)?;
+                }
+                self.drop_operands(count);
+                self.change_address(|address| address.plus(offset * element_cells));
+            }
+            Rare::LoadAny => {
+                let at = self.pop_address();
+                let cell = self.memory().get(at).clone();
+                self.push(cell);
+            }
+            Rare::LoadConfig => {
+                let at = self.pop_address();
+                let cell = self.memory().get(at).clone();
+                self.push(match cell {
+                    Cell::Uninit => Cell::Config(Config::default()),
+                    cell => cell,
+                });
             }
             Rare::Node => {
                 let subscript = self.pop_integer();

@@ -1,7 +1,7 @@
 //! What an operator's data screen shows, and ending a task with an error from outside.
 
 use super::{
-    Machine, Names,
+    Loaded, Machine, Names,
     cell::{Address, Cell, Memory},
     fault::Fault,
     is_alive, runtime_error,
@@ -40,19 +40,7 @@ impl Machine {
     ) -> Result<(Vec<VariableView>, bool), Status> {
         let index = self.find_program(program).ok_or(Status::MEMO_NO_PROGRAM)?;
         let loaded = self.programs.get(index).ok_or(Status::MEMO_NO_PROGRAM)?;
-        let taken = |name: &str| loaded.program.shared.iter().any(|own| own.name == name);
-        let declared = loaded.program.globals.iter();
-        let declared = declared.map(|(name, (cell, ty))| (name.as_str(), loaded.base + cell, ty));
-        let mut names: Vec<(&str, u32, &Type)> = declared.collect();
-        names.extend(self.created.of(loaded.name()));
-        names.retain(|(name, ..)| !taken(name));
-        names.sort_unstable_by_key(|(name, ..)| *name);
-        let mut parts = Vec::new();
-        for (name, cell, ty) in names {
-            if !split(self.names(), name.to_owned(), (cell, ty), limit, &mut parts) {
-                break;
-            }
-        }
+        let mut parts = parts_of(self.names(), loaded, limit);
         let more = parts.len() > limit;
         parts.truncate(limit);
         let mut no_frames = Vec::new();
@@ -89,7 +77,30 @@ impl Machine {
     }
 }
 
-fn address(cell: u32, ty: &Type) -> Address {
+/// Path, cell and type of everything of a program that has a value of its own, up to one more than
+/// `limit`. What it takes from other programs is not among it.
+pub(crate) fn parts_of(
+    names: Names<'_>,
+    loaded: &Loaded,
+    limit: usize,
+) -> Vec<(String, u32, Type)> {
+    let taken = |name: &str| loaded.program.shared.iter().any(|own| own.name == name);
+    let declared = loaded.program.globals.iter();
+    let declared = declared.map(|(name, (cell, ty))| (name.as_str(), loaded.base + cell, ty));
+    let mut variables: Vec<(&str, u32, &Type)> = declared.collect();
+    variables.extend(names.created.of(loaded.name()));
+    variables.retain(|(name, ..)| !taken(name));
+    variables.sort_unstable_by_key(|(name, ..)| *name);
+    let mut parts = Vec::new();
+    for (name, cell, ty) in variables {
+        if !split(names, name.to_owned(), (cell, ty), limit, &mut parts) {
+            break;
+        }
+    }
+    parts
+}
+
+pub(crate) fn address(cell: u32, ty: &Type) -> Address {
     let at = Address::global(cell);
     if let Type::Text(TextLength::AtMost(length)) = ty {
         at.with_extra(*length)

@@ -4,10 +4,11 @@ mod arithmetic;
 mod calls;
 pub(crate) mod cell;
 pub(crate) mod created;
+pub(crate) mod dictionaries;
 mod exec;
 pub(crate) mod fault;
 mod handlers;
-mod inspect;
+pub(crate) mod inspect;
 mod link;
 mod moving;
 mod operands;
@@ -20,26 +21,30 @@ pub(crate) mod semaphore;
 mod system;
 pub(crate) mod task;
 mod tasks;
+pub(crate) mod teaching;
 mod timer;
 mod tp;
 pub(crate) mod tp_value;
 mod transfer;
 mod variables;
 
-use std::time::Duration;
+use std::{collections::BTreeMap, sync::Arc, time::Duration};
 
 use crate::{
     ast::TaskVerb,
     error::{CallSite, RuntimeError},
     host::{Host, TaskId},
     ir::Op,
-    port::Comments,
+    port::{Comments, PortSetup},
     program::Program,
     registers::Registers,
     run::{ByteOrder, Limits, Run, Slice, TaskState, TaskView},
+    tp::{Instruction, Taught},
+    types::Type,
 };
 use cell::Cell;
 use created::Created;
+use dictionaries::Dictionaries;
 use exec::{Exec, Stop};
 use link::Link;
 use paths::Paths;
@@ -53,6 +58,7 @@ pub use inspect::VariableView;
 pub(crate) use system::{component_of, set_component};
 use task::{Signal, Task};
 pub(crate) use tasks::Tasks;
+use teaching::Teaching;
 pub(crate) use variables::{Names, find as find_variable, locate as locate_variable};
 
 /// Programs and tasks of one controller.
@@ -74,6 +80,9 @@ pub struct Machine {
     comments: Comments,
     paths: Paths,
     created: Created,
+    dictionaries: Dictionaries,
+    port_setup: PortSetup,
+    teaching: Teaching,
 }
 
 #[derive(Debug)]
@@ -88,6 +97,39 @@ pub(crate) struct Loaded {
 impl Loaded {
     pub(crate) fn name(&self) -> &str {
         self.program.name()
+    }
+
+    /// Whether it is a TP program.
+    pub(crate) fn is_listing(&self) -> bool {
+        self.program.is_listing
+    }
+
+    /// Instructions and positions of a TP program.
+    pub(crate) fn listing(&self) -> (Vec<Instruction>, BTreeMap<i32, Arc<Taught>>) {
+        let code = &self.program.code;
+        (code.tp.clone(), code.positions.clone())
+    }
+
+    /// A position of a TP program.
+    pub(crate) fn taught(&self, number: i32) -> Option<&Taught> {
+        let position = self.program.code.positions.get(&number);
+        position.map(Arc::as_ref)
+    }
+
+    /// Its instructions.
+    pub(crate) fn size(&self) -> i32 {
+        i32::try_from(self.program.code.ops.len()).unwrap_or(i32::MAX)
+    }
+
+    /// A type that the program declares.
+    pub(crate) fn named_type(&self, name: &str) -> Option<&Type> {
+        self.program.types.get(name)
+    }
+
+    /// Names and types of its variables; those of other programs are among them.
+    pub(crate) fn variables(&self) -> impl Iterator<Item = (&str, &Type)> {
+        let variables = self.program.globals.iter();
+        variables.map(|(name, (_, ty))| (name.as_str(), ty))
     }
 
     pub(crate) fn is_pausable_by_error(&self) -> bool {
@@ -179,6 +221,9 @@ impl Machine {
             comments: Comments::default(),
             paths: Paths::default(),
             created: Created::default(),
+            dictionaries: Dictionaries::default(),
+            port_setup: PortSetup::default(),
+            teaching: Teaching::default(),
         }
     }
 
@@ -245,7 +290,28 @@ impl Machine {
         };
         let slice = self.run_task(id, &mut task, fuel, host);
         self.tasks.put_back(id, task);
+        self.take_taught();
         slice
+    }
+
+    /// What a slice has done to TP programs.
+    fn take_taught(&mut self) {
+        if self.teaching.made.is_empty() && self.teaching.blanked.is_empty() {
+            return;
+        }
+        for program in std::mem::take(&mut self.teaching.made) {
+            // The built-in has looked whether there is room and no such program.
+            let _loaded = self.load(program);
+        }
+        for (name, line) in std::mem::take(&mut self.teaching.blanked) {
+            let index = self.find_program(&name);
+            let loaded = index.and_then(|index| self.programs.get_mut(index));
+            let row = usize::try_from(line).unwrap_or(0).wrapping_sub(1);
+            let slot = loaded.and_then(|loaded| loaded.program.code.tp.get_mut(row));
+            if let Some(instruction) = slot {
+                *instruction = Instruction::Nothing;
+            }
+        }
     }
 
     fn run_task(&mut self, id: TaskId, task: &mut Task, fuel: u32, host: &mut dyn Host) -> Slice {
@@ -283,6 +349,9 @@ impl Machine {
             comments: &mut self.comments,
             paths: &mut self.paths,
             created: &mut self.created,
+            dictionaries: &mut self.dictionaries,
+            port_setup: &mut self.port_setup,
+            teaching: &mut self.teaching,
             task,
             host,
             limits: &self.limits,

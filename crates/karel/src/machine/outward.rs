@@ -1,9 +1,11 @@
 //! Instructions that end something, wait, or ask the host.
 
 use super::{
-    cell::Memory,
+    Names,
+    cell::{Cell, Memory},
     exec::{Exec, Flow, row_of},
     fault::Fault,
+    locate_variable,
     task::Pending,
 };
 use crate::{
@@ -11,6 +13,8 @@ use crate::{
     host::Wait,
     ir::Outward,
     status::Status,
+    syspath::SysPath,
+    types::{TextLength, Type, grid_lengths, text_array_lengths},
 };
 
 impl Exec<'_> {
@@ -31,6 +35,7 @@ impl Exec<'_> {
             Outward::StoreSystem(row) => self.store_system(row),
             Outward::FetchSystem(row) => self.fetch_system(row),
             Outward::ReturnSystem(row) => self.return_system(row),
+            Outward::ByName(row) => self.by_name(row),
             Outward::LoadPort(port) => self.load_port(port),
             Outward::StorePort(port) => self.store_port(port),
             Outward::Scan => Ok(self.scan()),
@@ -90,6 +95,9 @@ impl Exec<'_> {
             comments: self.comments,
             paths: self.paths,
             created: self.created,
+            dictionaries: self.dictionaries,
+            port_setup: self.port_setup,
+            teaching: self.teaching,
             running: Running {
                 name: &self.task.name,
                 line: program.code.lines.get(self.task.pc).copied().unwrap_or(0),
@@ -132,6 +140,36 @@ impl Exec<'_> {
         Ok(Flow::Next)
     }
 
+    /// The variable whose names are on the stack.
+    fn by_name(&mut self, row: u32) -> Result<Flow, Fault> {
+        let (variable, home) = (self.pop_text(), self.pop_text());
+        let (variable, home) = (variable.to_string_lossless(), home.to_string_lossless());
+        let program = self.program;
+        let formal = row_of(&program.code.types, row);
+        let home = match home.trim() {
+            "" => program.name(),
+            name => name,
+        };
+        let names = Names {
+            programs: self.programs,
+            paths: self.paths,
+            created: self.created,
+            globals: self.globals,
+        };
+        let path = SysPath::parse(&variable).map_err(|_| Status::VARS_UNKNOWN);
+        let found = path.and_then(|path| locate_variable(names, home, &path));
+        let found = found.map_err(|status| {
+            let message = format!("BYNAME finds no variable {variable} of {home}");
+            Fault::new(status, message)
+        })?;
+        let Some(extra) = reference_extra(&found.ty, formal) else {
+            let message = format!("[{home}]{variable} is {}, not {formal}", found.ty);
+            return Err(Fault::new(Status::INTP_TYPE, message));
+        };
+        self.push(Cell::Address(found.at.with_extra(extra)));
+        Ok(Flow::Next)
+    }
+
     /// If the instruction is a pause that was begun: whether it goes on waiting.
     pub(super) fn pause_is_over(&mut self) -> Option<Flow> {
         let Pending::Until(until) = self.task.pending else {
@@ -158,5 +196,26 @@ impl Exec<'_> {
         let until = self.host.now().saturating_add(pause);
         self.task.pending = Pending::Until(until);
         Ok(Flow::Blocked(Wait::Until(until)))
+    }
+}
+
+/// What a reference to a variable carries beside its address; `None` if the types do not fit.
+fn reference_extra(actual: &Type, formal: &Type) -> Option<u32> {
+    match (actual, formal) {
+        (Type::Text(_), Type::Text(TextLength::Any)) => actual.length(),
+        (Type::Array(from), Type::Array(to)) if to.is_open_grid() => {
+            let fits = from.element == to.element && from.dims.len() == to.dims.len();
+            grid_lengths(&from.dims).filter(|_| fits)
+        }
+        (Type::Array(from), Type::Array(to)) if to.dims.is_empty() => {
+            let [length] = from.dims.as_slice() else {
+                return None;
+            };
+            if to.element == Type::TEXT {
+                return Some(text_array_lengths(*length, from.element.length()?));
+            }
+            (from.element == to.element).then_some(*length)
+        }
+        _ => (actual == formal).then(|| actual.length().unwrap_or(0)),
     }
 }

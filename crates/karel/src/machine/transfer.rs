@@ -14,11 +14,12 @@ use crate::{
     binary,
     host::{FileId, OpenMode, Progress, Wait},
     ir::{Op, Outward, ReadPart, ScalarType, WritePart, WriteShape},
+    position::Config,
     run::ByteOrder,
     status::Status,
     text_reader::{self, ItemFormat, ItemKind, LineState, ReadResult, ReadValue},
     text_writer,
-    types::Small,
+    types::{MAX_STRING, Small},
 };
 
 impl Exec<'_> {
@@ -37,6 +38,11 @@ impl Exec<'_> {
             _ if file.has(FileFlag::Window) => Status::INTP_PREDEFINED,
             _ if file.file.is_some() => Status::INTP_FILE_IN_USE,
             None => Status::FILE_ILLEGAL_PARAMETER,
+            Some(_) if is_keyboard(&name) => {
+                file.file = Some(FileId::KEYBOARD);
+                file.line_state = LineState::Inside;
+                Status::OK
+            }
             Some(mode) => match self.host.open_file(self.id, mode, &name) {
                 Ok(id) => {
                     if is_pipe(&name) {
@@ -58,7 +64,8 @@ impl Exec<'_> {
     pub(super) fn close_file(&mut self) -> Flow {
         let at = self.pop_address();
         let file = self.memory().file(at);
-        let status = file.file.map_or(Status::OK, |id| self.host.close_file(id));
+        let open = file.file.filter(|id| *id != FileId::KEYBOARD);
+        let status = open.map_or(Status::OK, |id| self.host.close_file(id));
         self.memory().set_file(at, file.closed(status.0));
         Flow::Next
     }
@@ -168,6 +175,16 @@ impl Exec<'_> {
                     self.clear_rest(shape.items.get(item..).unwrap_or_default(), below);
                     break;
                 }
+                Ok(Ok(value)) if part.is_config() && config_of(&value).is_none() => {
+                    file.status = Status::INTP_ILLEGAL_DATA.0;
+                    self.clear_rest(shape.items.get(item..).unwrap_or_default(), below);
+                    break;
+                }
+                Ok(Ok(value)) if part.is_config() => {
+                    if let (Some(target), Some(config)) = (target, config_of(&value)) {
+                        self.memory().set(target, Cell::Config(config));
+                    }
+                }
                 Ok(Ok(value)) => {
                     if let Some(target) = target {
                         self.store_read(target, value);
@@ -229,7 +246,7 @@ impl Exec<'_> {
         file: &mut FileCell,
         format: Result<ItemFormat, Status>,
     ) -> Result<Result<ReadValue, Status>, FileId> {
-        let Some(id) = file.file else {
+        let Some(id) = readable(*file) else {
             return Ok(Err(not_open(*file)));
         };
         let format = match format {
@@ -366,7 +383,12 @@ impl Exec<'_> {
         let mut out = Vec::new();
         let mut below = shape.operands as usize - usize::from(shape.to_file);
         for part in &shape.items {
-            let WritePart::Value { ty, formats } = part else {
+            let WritePart::Value {
+                ty,
+                formats,
+                follows,
+            } = part
+            else {
                 out.extend_from_slice(line_end);
                 continue;
             };
@@ -384,18 +406,24 @@ impl Exec<'_> {
                 binary::number(&mut out, word, *ty, order);
                 continue;
             }
+            let start = out.len();
             match value {
                 Cell::Integer(value) => text_writer::integer(&mut out, *value, width),
                 Cell::Real(value) => text_writer::real(&mut out, *value, width, digits),
                 Cell::Boolean(value) => text_writer::boolean(&mut out, *value, width),
                 Cell::Text(value) => text_writer::text(&mut out, value.as_bytes(), width),
-                Cell::Uninit
-                | Cell::Config(_)
-                | Cell::File(_)
-                | Cell::Path(_)
-                | Cell::Address(_) => {
+                Cell::Config(value) => {
+                    out.push(b' ');
+                    text_writer::text(&mut out, value.to_string().as_bytes(), None);
+                }
+                // An axis that a JOINTPOS does not have.
+                Cell::Uninit => {}
+                Cell::File(_) | Cell::Path(_) | Cell::Address(_) => {
                     unreachable!("the checker refuses WRITE of {value:?}")
                 }
+            }
+            if *follows && out.get(start).is_some_and(|first| *first != b' ') {
+                out.insert(start, b' ');
             }
         }
         Ok(out)
@@ -408,18 +436,37 @@ fn word_of(cell: &Cell) -> Option<u32> {
         Cell::Integer(value) => Some(value.cast_unsigned()),
         Cell::Real(value) => Some(value.to_bits()),
         Cell::Boolean(value) => Some(u32::from(*value)),
-        Cell::Uninit
-        | Cell::Text(_)
-        | Cell::Config(_)
-        | Cell::File(_)
-        | Cell::Path(_)
-        | Cell::Address(_) => None,
+        Cell::Config(config) => Some(binary::config_word(*config)),
+        Cell::Uninit | Cell::Text(_) | Cell::File(_) | Cell::Path(_) | Cell::Address(_) => None,
+    }
+}
+
+/// The configuration that a text is, or the bytes of a binary file.
+fn config_of(value: &ReadValue) -> Option<Config> {
+    match value {
+        ReadValue::Text(text) => Config::parse(&text.to_string_lossless()),
+        ReadValue::Integer(word) => Some(binary::config(word.cast_unsigned())),
+        ReadValue::Real(_) | ReadValue::Boolean(_) | ReadValue::Nothing => None,
     }
 }
 
 fn is_pipe(name: &str) -> bool {
-    let device = name.split(':').next().unwrap_or_default();
-    device.trim().eq_ignore_ascii_case("PIP")
+    device(name).eq_ignore_ascii_case("PIP")
+}
+
+/// `KB:TPKB` and its like.
+fn is_keyboard(name: &str) -> bool {
+    name.contains(':') && device(name).eq_ignore_ascii_case("KB")
+}
+
+fn device(name: &str) -> &str {
+    name.split(':').next().unwrap_or_default().trim()
+}
+
+/// The file that a READ reads: that of a window is the keyboard of the pendant.
+fn readable(file: FileCell) -> Option<FileId> {
+    let window = file.has(FileFlag::Window).then_some(FileId::KEYBOARD);
+    file.file.or(window)
 }
 
 fn not_open(file: FileCell) -> Status {
@@ -485,6 +532,8 @@ fn item_format(
                 Ok(_) | Err(_) => return Err(Status::INTP_ARGUMENT),
             }
         }
+        // It ends with its line.
+        (ScalarType::Config, _) => ItemKind::Text { length: MAX_STRING },
         (ScalarType::Real, _) => ItemKind::Real,
         (ScalarType::Boolean, _) => ItemKind::Boolean,
         (ScalarType::Text, None | Some(0)) => ItemKind::Text {

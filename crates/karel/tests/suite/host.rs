@@ -8,8 +8,8 @@ use std::{
 use karel::{
     AlarmView, FileId, HandAction, Host, Input, InputEnd, JointPosition, Limits, Machine, MotionId,
     MotionPath, MotionRequest, MoveEnd, OpenMode, Port, PortValue, Position, Program, ProgramAlarm,
-    Progress, Run, RuntimeError, Status, SysPath, SysValue, TaskId, Text, Value, Wait, Xyzwpr,
-    XyzwprExt,
+    Progress, Registers, Run, RuntimeError, Status, SysPath, SysValue, TaskId, Text, TpMotion,
+    TpTarget, Value, Wait, Xyzwpr, XyzwprExt,
 };
 
 /// What the world does, in this order; each is done when the program waits for it.
@@ -54,6 +54,11 @@ pub(crate) struct ScriptedHost {
     closed: bool,
     moving: Option<MotionId>,
     next_file: u32,
+    /// Files of the device `FR:` by name.
+    files: BTreeMap<String, Vec<u8>>,
+    /// Those that are open, and how far they were read.
+    open: BTreeMap<FileId, (String, usize)>,
+    simulated: BTreeMap<(Port, i32), PortValue>,
 }
 
 impl ScriptedHost {
@@ -78,6 +83,9 @@ impl ScriptedHost {
             closed: false,
             moving: None,
             next_file: 1,
+            files: BTreeMap::new(),
+            open: BTreeMap::new(),
+            simulated: BTreeMap::new(),
         }
     }
 
@@ -169,6 +177,20 @@ impl Host for ScriptedHost {
     }
 
     fn open_file(&mut self, _: TaskId, mode: OpenMode, name: &str) -> Result<FileId, Status> {
+        let file = name.to_ascii_uppercase();
+        if file.starts_with("FR:") {
+            match mode {
+                OpenMode::ReadOnly if !self.files.contains_key(&file) => {
+                    return Err(Status::FILE_NOT_FOUND);
+                }
+                OpenMode::ReadOnly => {}
+                _ => drop(self.files.insert(file.clone(), Vec::new())),
+            }
+            let id = FileId(1000 + self.next_file);
+            self.next_file += 1;
+            let _new = self.open.insert(id, (file, 0));
+            return Ok(id);
+        }
         self.note(&format!("open {name} {mode:?}"));
         if !self.connected {
             return Err(Status::INTP_OPEN_FAILED);
@@ -178,6 +200,9 @@ impl Host for ScriptedHost {
     }
 
     fn close_file(&mut self, file: FileId) -> Status {
+        if self.open.remove(&file).is_some() {
+            return Status::OK;
+        }
         self.note(&format!("close {}", file.0));
         Status::OK
     }
@@ -187,7 +212,13 @@ impl Host for ScriptedHost {
         Status::OK
     }
 
-    fn input(&self, _: FileId) -> Input<'_> {
+    fn input(&self, file: FileId) -> Input<'_> {
+        if let Some((name, from)) = self.open.get(&file) {
+            return Input {
+                bytes: &self.files[name][*from..],
+                end: InputEnd::Closed(Status::FILE_END),
+            };
+        }
         let end = if self.closed {
             InputEnd::Closed(Status::HOST_PEER_CLOSED)
         } else {
@@ -199,11 +230,19 @@ impl Host for ScriptedHost {
         }
     }
 
-    fn consume(&mut self, _: FileId, count: usize) {
+    fn consume(&mut self, file: FileId, count: usize) {
+        if let Some((_, from)) = self.open.get_mut(&file) {
+            *from += count;
+            return;
+        }
         drop(self.received.drain(..count));
     }
 
     fn output(&mut self, file: FileId, bytes: &[u8]) -> Progress<Status> {
+        if let Some((name, _)) = self.open.get(&file) {
+            self.files.get_mut(name).unwrap().extend_from_slice(bytes);
+            return Progress::Ready(Status::OK);
+        }
         self.note(&format!("write {} {}", file.0, quoted(bytes)));
         self.segments += 1;
         if let Some(reply) = self.replies.last_mut() {
@@ -281,6 +320,9 @@ impl Host for ScriptedHost {
         } else {
             PortValue::Number(0)
         };
+        if let Some(simulated) = self.simulated.get(&(port, number)) {
+            return Ok(*simulated);
+        }
         let set = self.ports.get(&(port, number)).copied();
         // The first digital input comes on after a while.
         if (port, number) == (Port::DigitalIn, 1) && self.now >= Duration::from_millis(100) {
@@ -300,6 +342,43 @@ impl Host for ScriptedHost {
         self.note(&format!("{port}[{number}] = {value:?}"));
         let _old = self.ports.insert((port, number), value);
         Ok(())
+    }
+
+    fn port_is_simulated(&self, port: Port, number: i32) -> bool {
+        self.simulated.contains_key(&(port, number))
+    }
+
+    /// Only inputs.
+    fn simulate_port(
+        &mut self,
+        _: TaskId,
+        port: Port,
+        number: i32,
+        value: Option<PortValue>,
+    ) -> Result<(), Status> {
+        if !port.is_input() {
+            return Err(Status::INTP_ARGUMENT);
+        }
+        let _before = match value {
+            Some(value) => self.simulated.insert((port, number), value),
+            None => self.simulated.remove(&(port, number)),
+        };
+        Ok(())
+    }
+
+    fn start_tp_motion(
+        &mut self,
+        _: TaskId,
+        motion: TpMotion,
+        _: &Registers,
+    ) -> Progress<Result<MotionId, Status>> {
+        let target = match &motion.target {
+            TpTarget::Cartesian(position) => shown(&Value::XyzwprExt(*position)),
+            TpTarget::Joints(joints) => format!("{:?}", joints.axes),
+        };
+        let (program, line) = (&motion.program, motion.line);
+        self.note(&format!("{program} line {line} moves to {target}"));
+        Progress::Ready(Ok(MotionId(0)))
     }
 
     fn cancel_arm(&mut self, _: TaskId) {
