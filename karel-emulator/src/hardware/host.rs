@@ -3,15 +3,16 @@
 use std::time::Duration;
 
 use karel::{
-    AlarmView, FileId, FileOperation, Host, Input, JointPosition, MotionId, MotionRequest,
-    OpenMode, Port, PortValue, Position, ProgramAlarm, Progress, Registers, RuntimeError, Status,
-    SysPath, SysValue, TaskId, TpMotion, Value, XyzwprExt,
+    AlarmView, FileId, FileOperation, HandAction, Host, Input, JointPosition, MotionId,
+    MotionRequest, OpenMode, Port, PortValue, Position, ProgramAlarm, Progress, Registers,
+    RuntimeError, Status, SysPath, SysValue, TaskId, TpMotion, Value, XyzwprExt,
 };
 
 use super::Hardware;
 use super::arm::only_group;
 use super::operator::OperatingMode;
 use crate::motion::planner::{joint_position, pendant_joints};
+use crate::ports::SetInputError;
 use crate::sysvars::Reading;
 
 impl Host for Hardware {
@@ -121,6 +122,34 @@ impl Host for Hardware {
         }
         self.gripper_output(port, number, value);
         Ok(())
+    }
+
+    fn port_is_simulated(&self, port: Port, number: i32) -> bool {
+        u16::try_from(number).is_ok_and(|number| self.ports.is_simulated(port, number))
+    }
+
+    fn simulate_port(
+        &mut self,
+        _task: TaskId,
+        port: Port,
+        number: i32,
+        value: Option<PortValue>,
+    ) -> Result<(), Status> {
+        let number = u16::try_from(number).map_err(|_| Status::PRIO_PORT_NUMBER)?;
+        let done = match value {
+            Some(value) => self.ports.simulate(port, number, value),
+            None => self.ports.end_simulation(port, number),
+        };
+        done.map_err(|error| match error {
+            SetInputError::NoSuchPort { .. } => Status::PRIO_PORT_NUMBER,
+            SetInputError::NotAnInput { .. }
+            | SetInputError::Value { .. }
+            | SetInputError::Stopped(_) => Status::INTP_ARGUMENT,
+        })
+    }
+
+    fn hand(&mut self, task: TaskId, action: HandAction, number: i32) -> Result<(), Status> {
+        self.move_hand(task, action, number)
     }
 
     fn current_joints(&mut self, task: TaskId, group: i32) -> Result<JointPosition, Status> {
