@@ -19,10 +19,13 @@ pub struct Cmos {
     pub programs: BTreeMap<String, BTreeMap<String, Vec<Option<Scalar>>>>,
     /// The nodes of each PATH, a list of scalars for each.
     #[serde(default)]
-    pub paths: BTreeMap<String, BTreeMap<String, Vec<Vec<Option<Scalar>>>>>,
+    pub paths: BTreeMap<String, BTreeMap<String, PathNodes>>,
     /// The registers.
     pub registers: Registers,
 }
+
+/// The scalars of each node in order; `None` for one that is uninitialized.
+pub type PathNodes = Vec<Vec<Option<Scalar>>>;
 
 /// One scalar value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

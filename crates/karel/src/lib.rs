@@ -106,7 +106,7 @@ mod typed;
 mod types;
 mod value;
 
-pub use cmos::{Cmos, Scalar};
+pub use cmos::{Cmos, PathNodes, Scalar};
 pub use diagnostic::{Diagnostic, Severity, render};
 pub use error::{CallSite, RuntimeError};
 pub use host::{

@@ -100,7 +100,7 @@ pub(crate) enum Param {
     AnyArray,
     /// A PATH variable.
     Path,
-    /// A QUEUE_TYPE variable.
+    /// A `QUEUE_TYPE` variable.
     Queue,
     /// Any value; a variable may be uninitialized.
     AnyValue,

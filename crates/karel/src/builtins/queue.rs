@@ -1,4 +1,4 @@
-//! Queues: an array of INTEGERs that a QUEUE_TYPE turns into a ring.
+//! Queues: an array of INTEGERs that a `QUEUE_TYPE` turns into a ring.
 //!
 //! ASSUMPTION: sequence numbers count from 1 and stay in a row: an entry that is inserted or deleted
 //! moves those of all newer ones.

@@ -8,6 +8,8 @@
     reason = "all built-ins have the table's signature"
 )]
 
+use std::fmt::Write as _;
+
 use super::{Builtin, Context, Outcome, Param, Returns, variable_list};
 use crate::{
     machine::{
@@ -55,7 +57,7 @@ fn saved(context: &mut Context<'_>) -> Result<(), Status> {
         if let Type::Path(_) = ty
             && let Some(nodes) = node_count(names, program, name)
         {
-            text += &format!("[{program}]{name} nodes {nodes}\r\n");
+            let _ = write!(text, "[{program}]{name} nodes {nodes}\r\n");
         }
     }
     let parts = parts_of(names, loaded, MAX_PARTS);
@@ -65,7 +67,7 @@ fn saved(context: &mut Context<'_>) -> Result<(), Status> {
     for (path, cell, ty) in parts.into_iter().filter(|(_, _, ty)| *ty != Type::File) {
         let value = context.memory.value(address(cell, &ty), &ty);
         let value = value.map_or_else(|| "*".to_owned(), |value| written(&value));
-        text += &format!("[{program}]{path} = {value}\r\n");
+        let _ = write!(text, "[{program}]{path} = {value}\r\n");
     }
     let file = with_extension(&context.text(1).to_string_lossless());
     context.write_file(&file, Text::from(text.as_str()).as_bytes())
@@ -259,7 +261,9 @@ fn quoted(text: &Text) -> String {
         match byte {
             b'\'' => quoted.push_str("''"),
             b' '..=b'~' if *byte != b'\\' => quoted.push(char::from(*byte)),
-            byte => quoted += &format!("\\x{byte:02X}"),
+            byte => {
+                let _ = write!(quoted, "\\x{byte:02X}");
+            }
         }
     }
     quoted.push('\'');

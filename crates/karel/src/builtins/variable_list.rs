@@ -201,9 +201,10 @@ fn inform(context: &mut Context<'_>) -> Result<(), Status> {
     let path = path.map_err(|_| Status::VARS_UNKNOWN)?;
     let found = locate_variable(context.names(), &program, &path)?;
     let uninit = context.memory.is_uninit(found.at, &found.ty);
-    let (element, dims) = match &found.ty {
-        Type::Array(array) => (&array.element, array.dims.as_slice()),
-        ty => (ty, [].as_slice()),
+    let (element, dims) = if let Type::Array(array) = &found.ty {
+        (&array.element, array.dims.as_slice())
+    } else {
+        (&found.ty, [].as_slice())
     };
     context.put(2, Cell::Boolean(uninit));
     context.put_text(3, Text::from(element.to_string().as_str()));

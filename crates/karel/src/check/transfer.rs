@@ -78,22 +78,24 @@ impl Checker<'_> {
 
     /// Whether values of this type have a text form; of arrays and positions, their parts.
     fn expect_transferable(&mut self, statement: &str, ty: &Type, span: Span) -> Option<()> {
+        if ty.is_vector() {
+            return Some(());
+        }
         match ty {
-            Type::Integer
-            | Type::Real
-            | Type::Boolean
-            | Type::Text(_)
-            | Type::Config
-            | Type::Small(_)
-            | Type::Position(_) => Some(()),
             Type::Joints(JointKind::OfGroup) if statement == "READ" => {
                 let message = "READ of JOINTPOS does not know the number of axes";
                 let help = "use JOINTPOS6, or an array and CNV_REL_JPOS";
                 self.reports.error_with_help(span, message, help);
                 None
             }
-            Type::Joints(_) => Some(()),
-            Type::Structure(_) if ty.is_vector() => Some(()),
+            Type::Integer
+            | Type::Real
+            | Type::Boolean
+            | Type::Text(_)
+            | Type::Config
+            | Type::Small(_)
+            | Type::Joints(_)
+            | Type::Position(_) => Some(()),
             Type::Array(array) if array.is_open() => {
                 let message = format!("{statement} of {ty} needs its elements");
                 self.reports.error(span, message);

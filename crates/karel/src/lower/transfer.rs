@@ -79,20 +79,16 @@ impl Lowering<'_> {
                     let kept = self.kept_formats(formats);
                     for (offset, ty) in parts_of(&value.ty) {
                         let cell = part(at, offset, ty.clone());
-                        match ty {
+                        if ty == Type::Config {
                             // Programs fill only x..r of a position.
-                            Type::Config => {
-                                self.address(&cell);
-                                self.emit(Op::Rare(Rare::LoadConfig));
-                            }
+                            self.address(&cell);
+                            self.emit(Op::Rare(Rare::LoadConfig));
+                        } else if value.ty == Type::Joints(JointKind::OfGroup) && offset > 0 {
                             // As many axes as there are; none is an error.
-                            Type::Real
-                                if value.ty == Type::Joints(JointKind::OfGroup) && offset > 0 =>
-                            {
-                                self.address(&cell);
-                                self.emit(Op::Rare(Rare::LoadAny));
-                            }
-                            _ => self.load(&cell),
+                            self.address(&cell);
+                            self.emit(Op::Rare(Rare::LoadAny));
+                        } else {
+                            self.load(&cell);
                         }
                         operands += 1 + self.formats(&kept);
                         parts.push(WritePart::Value {
@@ -154,9 +150,10 @@ fn parts_of(ty: &Type) -> Vec<(u32, Type)> {
     let mut leaves = Vec::new();
     ty.leaves(&mut leaves);
     let mut parts: Vec<(u32, Type)> = (0..).zip(leaves).collect();
-    let kind = match ty {
-        Type::Array(array) => array.element.position_kind(),
-        ty => ty.position_kind(),
+    let kind = if let Type::Array(array) = ty {
+        array.element.position_kind()
+    } else {
+        ty.position_kind()
     };
     if let Some(kind @ PositionKind::XyzwprExt) = kind {
         for position in parts.chunks_mut(kind.size() as usize) {

@@ -5,11 +5,13 @@ mod calls;
 pub(crate) mod cell;
 pub(crate) mod created;
 pub(crate) mod dictionaries;
+mod errors;
 mod exec;
 pub(crate) mod fault;
 mod handlers;
 pub(crate) mod inspect;
 mod link;
+mod loaded;
 mod moving;
 mod operands;
 mod outward;
@@ -17,6 +19,7 @@ pub(crate) mod paths;
 mod ports;
 mod power;
 mod pulse;
+mod rare;
 pub(crate) mod semaphore;
 mod system;
 pub(crate) mod task;
@@ -27,8 +30,10 @@ mod tp;
 pub(crate) mod tp_value;
 mod transfer;
 mod variables;
+mod verbs;
+mod writing;
 
-use std::{collections::BTreeMap, sync::Arc, time::Duration};
+use std::time::Duration;
 
 use crate::{
     ast::TaskVerb,
@@ -39,20 +44,20 @@ use crate::{
     program::Program,
     registers::Registers,
     run::{ByteOrder, Limits, Run, Slice, TaskState, TaskView},
-    tp::{Instruction, Taught},
-    types::Type,
+    tp::Instruction,
 };
 use cell::Cell;
 use created::Created;
 use dictionaries::Dictionaries;
 use exec::{Exec, Stop};
-use link::Link;
+pub(crate) use loaded::Loaded;
 use paths::Paths;
 use pulse::Pulses;
 use semaphore::Semaphores;
 use timer::Timers;
 
 pub(crate) use arithmetic::{finite, real};
+pub use errors::{LoadError, StartError};
 use fault::Fault;
 pub use inspect::VariableView;
 pub(crate) use system::{component_of, set_component};
@@ -83,124 +88,6 @@ pub struct Machine {
     dictionaries: Dictionaries,
     port_setup: PortSetup,
     teaching: Teaching,
-}
-
-#[derive(Debug)]
-pub(crate) struct Loaded {
-    program: Program,
-    /// Where its variables start in `globals`.
-    base: u32,
-    /// Where its external routines are; `None` while their program is not loaded.
-    links: Vec<Option<Link>>,
-}
-
-impl Loaded {
-    pub(crate) fn name(&self) -> &str {
-        self.program.name()
-    }
-
-    /// Whether it is a TP program.
-    pub(crate) fn is_listing(&self) -> bool {
-        self.program.is_listing
-    }
-
-    /// Instructions and positions of a TP program.
-    pub(crate) fn listing(&self) -> (Vec<Instruction>, BTreeMap<i32, Arc<Taught>>) {
-        let code = &self.program.code;
-        (code.tp.clone(), code.positions.clone())
-    }
-
-    /// A position of a TP program.
-    pub(crate) fn taught(&self, number: i32) -> Option<&Taught> {
-        let position = self.program.code.positions.get(&number);
-        position.map(Arc::as_ref)
-    }
-
-    /// Its instructions.
-    pub(crate) fn size(&self) -> i32 {
-        i32::try_from(self.program.code.ops.len()).unwrap_or(i32::MAX)
-    }
-
-    /// A type that the program declares.
-    pub(crate) fn named_type(&self, name: &str) -> Option<&Type> {
-        self.program.types.get(name)
-    }
-
-    /// Names and types of its variables; those of other programs are among them.
-    pub(crate) fn variables(&self) -> impl Iterator<Item = (&str, &Type)> {
-        let variables = self.program.globals.iter();
-        variables.map(|(name, (_, ty))| (name.as_str(), ty))
-    }
-
-    pub(crate) fn is_pausable_by_error(&self) -> bool {
-        self.program
-            .is_pausable(crate::program::Interruption::Error)
-    }
-
-    pub(crate) fn is_abortable_by_error(&self) -> bool {
-        self.program.is_abortable_by_error()
-    }
-
-    /// Name and source line of an instruction.
-    pub(crate) fn place(&self, pc: usize) -> (String, u32) {
-        let line = self.program.code.lines.get(pc).copied().unwrap_or(0);
-        (self.name().to_owned(), line)
-    }
-}
-
-/// Why a program cannot be loaded.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum LoadError {
-    /// A program of this name is loaded.
-    #[error("program {0} is loaded already")]
-    Duplicate(String),
-    /// The machine's limit.
-    #[error("{0} programs are loaded, which is the limit")]
-    TooMany(usize),
-    /// Two programs disagree about a routine that one calls and the other has.
-    #[error(
-        "{caller} declares the routine {routine} FROM {program} with other parameters or another result"
-    )]
-    Signature {
-        /// The program that declares it with FROM.
-        caller: String,
-        /// The routine.
-        routine: String,
-        /// The program that has its body.
-        program: String,
-    },
-    /// Two programs disagree about a variable that they share.
-    #[error("{user} declares the variable {variable} FROM {program} with another type")]
-    Variable {
-        /// The program that declares it with FROM.
-        user: String,
-        /// The variable.
-        variable: String,
-        /// The program that has it.
-        program: String,
-    },
-}
-
-/// Why a program cannot be started.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum StartError {
-    /// No program of this name is loaded.
-    #[error("program {0} is not loaded")]
-    NotLoaded(String),
-    /// A task of this program runs already.
-    #[error("program {0} is running already")]
-    Running(String),
-    /// The machine's limit.
-    #[error("{0} tasks exist, which is the limit")]
-    TooMany(usize),
-    /// The main body needs more memory than a task may have.
-    #[error("the main body needs {cells} cells of memory, a task may have {limit}")]
-    TooLarge {
-        /// What it needs.
-        cells: usize,
-        /// [`Limits::stack_cells`].
-        limit: usize,
-    },
 }
 
 impl Machine {

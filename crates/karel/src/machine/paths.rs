@@ -22,7 +22,7 @@ pub(crate) struct Paths {
 struct Nodes {
     size: u32,
     /// First cells.
-    nodes: Vec<u32>,
+    used: Vec<u32>,
     spare: Vec<u32>,
 }
 
@@ -47,7 +47,7 @@ impl Paths {
     }
 
     pub(crate) fn len(&self, path: u32) -> usize {
-        self.nodes(path).nodes.len()
+        self.nodes(path).used.len()
     }
 
     pub(crate) fn node_cells(&self, path: u32) -> u32 {
@@ -57,7 +57,7 @@ impl Paths {
     /// The place of a node, the first being 1.
     pub(crate) fn node(&self, path: u32, number: i32) -> Option<Address> {
         let index = usize::try_from(number).ok()?.checked_sub(1)?;
-        let cell = self.nodes(path).nodes.get(index)?;
+        let cell = self.nodes(path).used.get(index)?;
         Some(Address::global(*cell))
     }
 
@@ -90,7 +90,7 @@ impl Paths {
             memory.globals.resize(end, Cell::Uninit);
             first
         };
-        let nodes = &mut self.nodes_mut(path).nodes;
+        let nodes = &mut self.nodes_mut(path).used;
         nodes.insert(before.min(nodes.len()), first);
         true
     }
@@ -98,21 +98,21 @@ impl Paths {
     /// Takes a node out, the first being 0.
     pub(crate) fn remove(&mut self, path: u32, index: usize) {
         let nodes = self.nodes_mut(path);
-        if index < nodes.nodes.len() {
-            let first = nodes.nodes.remove(index);
+        if index < nodes.used.len() {
+            let first = nodes.used.remove(index);
             nodes.spare.push(first);
         }
     }
 
     pub(crate) fn clear(&mut self, path: u32) {
         let nodes = self.nodes_mut(path);
-        let gone = std::mem::take(&mut nodes.nodes);
+        let gone = std::mem::take(&mut nodes.used);
         nodes.spare.extend(gone);
     }
 
     pub(crate) fn clear_all(&mut self) {
         for nodes in &mut self.paths {
-            let gone = std::mem::take(&mut nodes.nodes);
+            let gone = std::mem::take(&mut nodes.used);
             nodes.spare.extend(gone);
         }
     }

@@ -130,10 +130,13 @@ pub(crate) fn locate(names: Names<'_>, program: &str, path: &SysPath) -> Result<
                     ty,
                 }
             }
-            Step::Index(subscripts) => match &found.ty {
-                Type::Path(path) => node(names, found.at, path, subscripts)?,
-                _ => element(&found, subscripts)?,
-            },
+            Step::Index(subscripts) => {
+                if let Type::Path(path) = &found.ty {
+                    node(names, found.at, path, subscripts)?
+                } else {
+                    element(&found, subscripts)?
+                }
+            }
         };
     }
     Ok(found)

@@ -2,6 +2,7 @@
 
 use std::{
     collections::{BTreeMap, VecDeque},
+    fmt::Write as _,
     time::Duration,
 };
 
@@ -184,7 +185,9 @@ impl Host for ScriptedHost {
                     return Err(Status::FILE_NOT_FOUND);
                 }
                 OpenMode::ReadOnly => {}
-                _ => drop(self.files.insert(file.clone(), Vec::new())),
+                OpenMode::ReadWrite | OpenMode::Append | OpenMode::Update => {
+                    drop(self.files.insert(file.clone(), Vec::new()));
+                }
             }
             let id = FileId(1000 + self.next_file);
             self.next_file += 1;
@@ -215,7 +218,11 @@ impl Host for ScriptedHost {
     fn input(&self, file: FileId) -> Input<'_> {
         if let Some((name, from)) = self.open.get(&file) {
             return Input {
-                bytes: &self.files[name][*from..],
+                bytes: self
+                    .files
+                    .get(name)
+                    .and_then(|bytes| bytes.get(*from..))
+                    .unwrap(),
                 end: InputEnd::Closed(Status::FILE_END),
             };
         }
@@ -502,10 +509,10 @@ impl Host for ScriptedHost {
         let place = shown(&Value::XyzwprExt(motion.target));
         let mut line = format!("move {place} {word} line {}", motion.line);
         if let Some(via) = motion.via {
-            line += &format!(" via {}", shown(&Value::XyzwprExt(via)));
+            let _ = write!(line, " via {}", shown(&Value::XyzwprExt(via)));
         }
         if let Some(joints) = &motion.joints {
-            line += &format!(" joints {:?}", joints.axes);
+            let _ = write!(line, " joints {:?}", joints.axes);
         }
         if motion.path == MotionPath::Straight {
             line += " straight";
