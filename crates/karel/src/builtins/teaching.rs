@@ -53,6 +53,9 @@ pub(super) const TABLE: &[Builtin] = &[
 /// Highest number of a position.
 const MOST_POSITIONS: i32 = 1500;
 
+/// A statement that changes programs ends its slice, and a loop around it must not stop the time.
+const PAUSE: Duration = Duration::from_millis(1);
+
 /// Longest comment of a position, and of a program.
 const COMMENT: usize = 16;
 
@@ -324,7 +327,7 @@ fn create(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     let new = Program::of_listing(&name(context, 0), Vec::new(), BTreeMap::new());
     let status = status_of(make(context, new));
     context.put_status(2, status);
-    Ok(Outcome::DoneThenPause(Duration::ZERO))
+    Ok(Outcome::DoneThenPause(PAUSE))
 }
 
 /// `COPY_TPE(from, to, overwrite, status)`.
@@ -351,7 +354,7 @@ fn copy(context: &mut Context<'_>) -> Result<Outcome, Fault> {
         }
     };
     context.put_status(3, status_of(made));
-    Ok(Outcome::DoneThenPause(Duration::ZERO))
+    Ok(Outcome::DoneThenPause(PAUSE))
 }
 
 fn delete_line(context: &mut Context<'_>) -> Result<Outcome, Fault> {
@@ -359,7 +362,7 @@ fn delete_line(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     let status = match opened(context, true) {
         Ok(open) => {
             let loaded = program(context, &open.program);
-            let lines = loaded.map_or(0, |loaded| loaded.listing().0.len());
+            let lines = loaded.map_or(0, Loaded::lines);
             if line == 0 || line as usize > lines {
                 Status::INTP_ARGUMENT
             } else {
@@ -370,7 +373,7 @@ fn delete_line(context: &mut Context<'_>) -> Result<Outcome, Fault> {
         Err(status) => status,
     };
     context.put_status(2, status);
-    Ok(Outcome::DoneThenPause(Duration::ZERO))
+    Ok(Outcome::DoneThenPause(PAUSE))
 }
 
 /// `GET_ATTR_PRG(program, attribute, number, text, status)`: type, name, comment and size.

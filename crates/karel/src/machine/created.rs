@@ -10,6 +10,9 @@ use super::{
 };
 use crate::types::{MAX_CELLS, Type};
 
+/// Most of them.
+const MAX_VARIABLES: usize = 1000;
+
 /// By program and name.
 #[derive(Debug, Default)]
 pub(crate) struct Created {
@@ -47,7 +50,7 @@ impl Created {
         let Ok(first) = u32::try_from(memory.globals.len()) else {
             return false;
         };
-        if cells > MAX_CELLS {
+        if cells > MAX_CELLS || self.variables.len() >= MAX_VARIABLES {
             return false;
         }
         self.cells = cells;

@@ -50,7 +50,7 @@ pub enum StartError {
     TooLarge {
         /// What it needs.
         cells: usize,
-        /// [`Limits::stack_cells`].
+        /// [`crate::Limits::stack_cells`].
         limit: usize,
     },
 }

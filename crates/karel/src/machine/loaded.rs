@@ -34,6 +34,11 @@ impl Loaded {
         (code.tp.clone(), code.positions.clone())
     }
 
+    /// How many instructions a TP program has.
+    pub(crate) fn lines(&self) -> usize {
+        self.program.code.tp.len()
+    }
+
     /// A position of a TP program.
     pub(crate) fn taught(&self, number: i32) -> Option<&Taught> {
         let position = self.program.code.positions.get(&number);

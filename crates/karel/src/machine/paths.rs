@@ -8,7 +8,11 @@ use super::{
     cell::{Address, Cell, Memory},
     fault::Fault,
 };
-use crate::{status::Status, types::MAX_CELLS};
+use crate::status::Status;
+
+/// Most nodes of a path, and most cells of all nodes.
+const MAX_NODES: usize = 10_000;
+const MAX_NODE_CELLS: u32 = 1 << 18;
 
 /// The paths of a machine by the numbers in their cells.
 #[derive(Debug, Default)]
@@ -72,6 +76,9 @@ impl Paths {
     /// Puts an uninitialized node behind `before` others. `false` if there is no room for more.
     pub(crate) fn insert(&mut self, path: u32, before: usize, memory: &mut Memory<'_>) -> bool {
         let size = self.node_cells(path);
+        if self.len(path) >= MAX_NODES {
+            return false;
+        }
         let first = if let Some(spare) = self.nodes_mut(path).spare.pop() {
             for offset in 0..size {
                 memory.set(Address::global(spare).plus(offset), Cell::Uninit);
@@ -82,7 +89,7 @@ impl Paths {
             let Ok(first) = u32::try_from(memory.globals.len()) else {
                 return false;
             };
-            if cells > MAX_CELLS {
+            if cells > MAX_NODE_CELLS {
                 return false;
             }
             self.cells = cells;

@@ -177,7 +177,7 @@ async fn power_cycle(
     Ok(Json(answer.await?))
 }
 
-/// Types at the pendant: what a READ without a file, or a READ_KB, waits for.
+/// Types at the pendant: what a READ without a file, or a `READ_KB`, waits for.
 #[utoipa::path(post, path = "/api/v1/keyboard", tag = "operator", request_body = KeyboardBody,
     responses((status = 200, description = "The switches.", body = OperatorView), AnyProblem))]
 async fn type_text(
