@@ -26,7 +26,7 @@ async fn ended(cell: &Stepped) -> Vec<String> {
         cell.advance(0.05).await;
     }
     let alarms = cell.controller.alarms().await.unwrap();
-    let last = alarms.last().map(|alarm| alarm.headline());
+    let last = alarms.last().map(karel_emulator::alarms::Alarm::headline);
     assert_eq!(cell.task_word().await, TaskWord::Ended, "{last:?}");
     let screen = cell.controller.screen().await.unwrap();
     screen.iter().map(|line| line.trim().to_owned()).collect()
