@@ -403,6 +403,10 @@ pub trait Host {
     /// arrived: [`Host::motion_ended`] answers with status 0.
     fn cancel_arm(&mut self, _task: TaskId) {}
 
+    /// A program did something that is correct and has another effect than many expect: `why` says which. For people;
+    /// nothing that a program can see depends on it.
+    fn explain(&mut self, _task: TaskId, _why: &dyn Fn() -> String) {}
+
     /// `STOP` and `HOLD`: the arm brakes and keeps what it was to do.
     fn hold_arm(&mut self, task: TaskId) {
         self.hold_motions(task);

@@ -256,9 +256,10 @@ pub(crate) struct SharedVariable {
     pub(crate) ty: Type,
 }
 
-/// What `%NOPAUSE` and `%NOABORT` say.
+/// What `%NOPAUSE`, `%NOABORT` and `%NOLOCKGROUP` say.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Attributes {
+    pub(crate) no_lock_group: bool,
     pub(crate) no_pause: Sources,
     pub(crate) no_abort: Sources,
 }

@@ -148,6 +148,13 @@ impl Program {
         }
     }
 
+    /// Whether a task of this program has control of the motion group: `CANCEL`, `STOP` and their kind reach no motion
+    /// without it. Without `%NOLOCKGROUP` it has.
+    #[must_use]
+    pub fn locks_group(&self) -> bool {
+        !self.attributes.no_lock_group
+    }
+
     /// Whether an alarm of the severity "abort" ends a task of this program.
     #[must_use]
     pub fn is_abortable_by_error(&self) -> bool {
