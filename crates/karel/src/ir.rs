@@ -259,7 +259,8 @@ pub(crate) struct SharedVariable {
 /// What `%NOPAUSE`, `%NOABORT` and `%NOLOCKGROUP` say.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Attributes {
-    pub(crate) no_lock_group: bool,
+    /// `%NOLOCKGROUP`: the program has no control of the motion group.
+    pub(crate) free_of_group: bool,
     pub(crate) no_pause: Sources,
     pub(crate) no_abort: Sources,
 }

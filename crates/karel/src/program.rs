@@ -152,7 +152,7 @@ impl Program {
     /// without it. Without `%NOLOCKGROUP` it has.
     #[must_use]
     pub fn locks_group(&self) -> bool {
-        !self.attributes.no_lock_group
+        !self.attributes.free_of_group
     }
 
     /// Whether an alarm of the severity "abort" ends a task of this program.

@@ -11,12 +11,17 @@ use karel::{
 use super::Hardware;
 use super::arm::only_group;
 use super::operator::OperatingMode;
+use crate::motion::path::INTERPOLATION_PERIOD_S;
 use crate::motion::planner::{joint_position, pendant_joints};
 use crate::sysvars::Reading;
 
 impl Host for Hardware {
     fn now(&self) -> Duration {
         self.now
+    }
+
+    fn interpolation_period(&self) -> Duration {
+        Duration::from_secs_f64(INTERPOLATION_PERIOD_S)
     }
 
     fn msg_connect(&mut self, task: TaskId, tag: &str) -> Progress<Status> {

@@ -194,7 +194,7 @@ impl Checker<'_> {
             if name == "%NOABORT" {
                 self.attributes.no_abort = ir::Sources::parse(&directive.argument);
             }
-            self.attributes.no_lock_group |= name == "%NOLOCKGROUP";
+            self.attributes.free_of_group |= name == "%NOLOCKGROUP";
             self.cmos_vars |= matches!(name, "%CMOSVARS" | "%SHADOWVARS");
             if !KNOWN_DIRECTIVES.contains(&name) {
                 self.reports.warning(

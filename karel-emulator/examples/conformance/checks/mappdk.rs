@@ -169,7 +169,14 @@ async fn moving(files: &Files, fanucpy: &mut Fanucpy, table: &mut Table) -> Resu
     let expected = "[19.000, 26.000, -33.000, 18.000, -30.000, -33.000]";
     table.same("T2.3", "PR[81]", expected, &seen);
 
-    let mut pose: [f64; 6] = state.pose.into();
+    to_poses(&rig, fanucpy, table).await?;
+    too_far(&rig, fanucpy, table).await?;
+    rig.stop().await;
+    Ok(())
+}
+
+async fn to_poses(rig: &Rig, fanucpy: &mut Fanucpy, table: &mut Table) -> Result<()> {
+    let mut pose: [f64; 6] = rig.state().await?.pose.into();
     for (what, lift, arguments) in [
         (
             "move('pose')",
@@ -186,7 +193,7 @@ async fn moving(files: &Files, fanucpy: &mut Fanucpy, table: &mut Table) -> Resu
             *z += lift;
         }
         let moved = fanucpy
-            .call(&rig, "robot", "move", with_values(arguments, &pose))
+            .call(rig, "robot", "move", with_values(arguments, &pose))
             .await?;
         table.same("T2.3", what, success(), moved);
         let seen: [f64; 6] = rig.state().await?.pose.into();
@@ -202,7 +209,7 @@ async fn moving(files: &Files, fanucpy: &mut Fanucpy, table: &mut Table) -> Resu
     let back = [10.0, 20.0, -20.0, 0.0, -60.0, 0.0];
     let arguments = json!({ "move_type": "joint", "velocity": 400, "linear": true });
     let moved = fanucpy
-        .call(&rig, "robot", "move", with_values(arguments, &back))
+        .call(rig, "robot", "move", with_values(arguments, &back))
         .await?;
     table.same("T2.3", "move('joint', linear=True)", success(), moved);
     let joints: [f64; 6] = rig.state().await?.joints_deg.into();
@@ -215,10 +222,14 @@ async fn moving(files: &Files, fanucpy: &mut Fanucpy, table: &mut Table) -> Resu
         near,
     );
 
+    Ok(())
+}
+
+async fn too_far(rig: &Rig, fanucpy: &mut Fanucpy, table: &mut Table) -> Result<()> {
     let far = [9000.0, 0.0, 0.0, 0.0, 0.0, 0.0];
     let before = rig.started().await?;
     let arguments = with_values(json!({ "move_type": "pose" }), &far);
-    let moved = fanucpy.call(&rig, "robot", "move", arguments).await?;
+    let moved = fanucpy.call(rig, "robot", "move", arguments).await?;
     table.same(
         "T2.3",
         "move('pose') beyond the reach",
@@ -229,7 +240,7 @@ async fn moving(files: &Files, fanucpy: &mut Fanucpy, table: &mut Table) -> Resu
         json!({ "move_type": "pose", "continue_on_error": true }),
         &far,
     );
-    let moved = fanucpy.call(&rig, "robot", "move", arguments).await?;
+    let moved = fanucpy.call(rig, "robot", "move", arguments).await?;
     let expected = returned(json!([1, "position-is-not-reachable"]));
     table.same("T2.3", "the same, continue_on_error=True", expected, moved);
     table.same(
@@ -238,8 +249,8 @@ async fn moving(files: &Files, fanucpy: &mut Fanucpy, table: &mut Table) -> Resu
         0,
         rig.started().await? - before,
     );
-    let wrong = json!({ "move_type": "joint", "vals": back, "cnt_val": 101 });
-    let moved = fanucpy.call(&rig, "robot", "move", wrong).await?;
+    let wrong = json!({ "move_type": "joint", "vals": far, "cnt_val": 101 });
+    let moved = fanucpy.call(rig, "robot", "move", wrong).await?;
     let expected = Outcome::Raised("ValueError: Incorrect CNT value.".to_owned());
     table.same(
         "T2.3",
@@ -247,7 +258,6 @@ async fn moving(files: &Files, fanucpy: &mut Fanucpy, table: &mut Table) -> Resu
         expected,
         moved,
     );
-    rig.stop().await;
     Ok(())
 }
 

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, anyhow, bail};
+use karel_emulator::alarms::Alarm;
 use karel_emulator::controller::ValueBody;
 use karel_emulator::{
     Clock, ControlAccess, Controller, ControllerConfig, PeerLabels, ProgramSource, State, Stepper,
@@ -15,7 +16,7 @@ use tokio::io::AsyncWriteExt as _;
 use tokio::net::TcpStream;
 
 /// Longer than any observation takes; reached only when something is broken.
-const PATIENCE: Duration = Duration::from_secs(60);
+const PATIENCE: Duration = Duration::from_mins(1);
 
 /// Controller time that passes at once while a client is waited for.
 const STEP: Duration = Duration::from_millis(16);
@@ -49,7 +50,10 @@ impl Files {
             let path = entry.path();
             if path.is_dir() && prefix.is_empty() {
                 self.include(&path, &format!("{name}/"))?;
-            } else if name.ends_with(".kl") {
+            } else if path
+                .extension()
+                .is_some_and(|end| end.eq_ignore_ascii_case("kl"))
+            {
                 let text = std::fs::read(&path).with_context(reading)?;
                 let name = format!("{prefix}{name}");
                 self.includes.push(ProgramSource::new(name, text));
@@ -217,7 +221,7 @@ impl Rig {
     /// The headlines of all alarms, oldest first.
     pub(crate) async fn alarms(&self) -> Result<Vec<String>> {
         let alarms = self.controller.alarms().await?;
-        Ok(alarms.iter().map(|alarm| alarm.headline()).collect())
+        Ok(alarms.iter().map(Alarm::headline).collect())
     }
 
     /// Whether there was an alarm whose headline starts so.
@@ -340,16 +344,5 @@ impl Client<'_> {
                 Found::Silence => bail!("the controller does not close the connection"),
             }
         }
-    }
-
-    /// Exactly so many bytes.
-    pub(crate) async fn exactly(&mut self, count: usize, before: &mut Vec<u8>) -> Result<Vec<u8>> {
-        while before.len() < count {
-            match self.next(60.0).await? {
-                Found::Bytes(bytes) => before.extend(bytes),
-                other => bail!("{} instead of {count} bytes", other.text()),
-            }
-        }
-        Ok(before.drain(..count).collect())
     }
 }

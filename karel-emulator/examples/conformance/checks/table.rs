@@ -74,10 +74,10 @@ impl Display for Table {
             ]
         };
         let widths = |column: usize| {
-            let longest = self.rows.iter().filter_map(|row| {
-                let cell = cells(row).get(column).map(|cell| cell.chars().count());
-                cell
-            });
+            let longest = self
+                .rows
+                .iter()
+                .filter_map(|row| cells(row).get(column).map(|cell| cell.chars().count()));
             let head = heads.get(column).map_or(0, |head| head.len());
             longest.chain([head]).max().unwrap_or(0)
         };
