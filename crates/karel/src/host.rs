@@ -410,7 +410,7 @@ pub trait Host {
 
     /// A program did something that is correct and has another effect than many expect: `why` says which. For people;
     /// nothing that a program can see depends on it.
-    fn explain(&mut self, _task: TaskId, _why: &dyn Fn() -> String) {}
+    fn explain(&mut self, _task: TaskId, _place: (&str, u32), _why: &dyn Fn() -> String) {}
 
     /// `STOP` and `HOLD`: the arm brakes and keeps what it was to do.
     fn hold_arm(&mut self, task: TaskId) {

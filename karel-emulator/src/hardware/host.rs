@@ -24,6 +24,12 @@ impl Host for Hardware {
         Duration::from_secs_f64(INTERPOLATION_PERIOD_S)
     }
 
+    fn explain(&mut self, _task: TaskId, place: (&str, u32), why: &dyn Fn() -> String) {
+        if self.is_kind() {
+            self.note(Some(place), why());
+        }
+    }
+
     fn msg_connect(&mut self, task: TaskId, tag: &str) -> Progress<Status> {
         self.connect(task, tag)
     }
@@ -99,6 +105,8 @@ impl Host for Hardware {
                     controller = %self.name,
                     "CHECK_EPOS answers {}: {}.", refusal.status, refusal.text,
                 );
+                let text = format!("CHECK_EPOS answers {}: {}", refusal.status, refusal.text);
+                self.note(None, text);
                 refusal.status
             }
         }

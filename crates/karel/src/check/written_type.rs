@@ -7,8 +7,8 @@ use crate::{
     ast::{Dim, Expr, Name, Param, TypeExpr, TypeKind},
     typed::Constant,
     types::{
-        ArrayType, Field, JointKind, MAX_CELLS, MAX_STRING, MAX_TYPE_DEPTH, PositionKind, Small,
-        StructureType, TextLength, Type,
+        ArrayType, Field, JointKind, MAX_CELLS, MAX_TYPE_DEPTH, PositionKind, Small, StructureType,
+        TextLength, Type,
     },
 };
 
@@ -50,10 +50,12 @@ impl Checker<'_> {
         match &written.kind {
             TypeKind::Name(name) => self.named_type(name),
             TypeKind::Text(None) => Type::TEXT,
-            TypeKind::Text(Some(length)) => match self.length(length, MAX_STRING) {
-                Some(length) => Type::Text(TextLength::AtMost(length)),
-                None => Type::Error,
-            },
+            TypeKind::Text(Some(length)) => {
+                match self.length(length, self.generation.longest_string()) {
+                    Some(length) => Type::Text(TextLength::AtMost(length)),
+                    None => Type::Error,
+                }
+            }
             TypeKind::Array { dims, element } => self.array_type(dims, element),
             TypeKind::Structure(fields) => self.structure_type(fields, declared_as, written),
         }

@@ -571,7 +571,8 @@ impl Exec<'_> {
     /// group and nobody else wants it, so ATTACH and RELEASE change nothing.
     pub(super) fn motion_verb(&mut self, verb: MotionVerb) -> Flow {
         if !self.controls_motion() {
-            self.host.explain(self.id, &|| {
+            let place = (self.program.name(), self.line());
+            self.host.explain(self.id, place, &|| {
                 format!(
                     "{} reaches no motion: the program has %NOLOCKGROUP, so it has no control of the motion group",
                     verb.text()
