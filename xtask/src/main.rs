@@ -5,6 +5,7 @@ mod ci;
 mod command;
 mod conformance;
 mod failures;
+mod fidelity;
 mod openapi;
 mod python;
 
@@ -48,6 +49,8 @@ enum Task {
     Openapi,
     /// Write docs/failures.md from docs/failures.toml and the tests.
     Failures,
+    /// Write docs/fidelity.md from docs/fidelity.toml and the source.
+    Fidelity,
     /// Run a benchmark against the peer, both in one run.
     Bench {
         /// Which one.
@@ -67,6 +70,7 @@ fn main() -> Result<()> {
         Task::Conformance { sources, args } => conformance::run(&sources, &args),
         Task::Openapi => openapi::write(),
         Task::Failures => failures::write(),
+        Task::Fidelity => fidelity::write(),
         Task::Bench { which, args } => bench::run(which, &args),
     }
 }

@@ -115,6 +115,7 @@ pub(crate) async fn observe(files: &Files) -> Result<Table> {
     rig.stop().await;
     tag_not_started(files, &mut table).await?;
     slower_loop(files, &mut table).await?;
+    entered_before(files, &mut table).await?;
     Ok(table)
 }
 
@@ -517,22 +518,42 @@ async fn slower_loop(files: &Files, table: &mut Table) -> Result<()> {
     Ok(())
 }
 
+/// What an operator enters before the first run.
+const OPERATOR: &str = include_str!("../../drivers/ros_industrial.set");
+
+/// What the file sets, for one program or for all.
+fn entered(program: &str) -> Vec<(String, String)> {
+    let lines = OPERATOR.lines().filter(|line| line.contains(program));
+    let pairs = lines.filter_map(|line| line.split_once('='));
+    pairs
+        .filter(|(item, _)| item.starts_with('['))
+        .map(|(item, value)| (item.to_owned(), value.to_owned()))
+        .collect()
+}
+
 /// Only the state server, as somebody has configured and checked it.
 fn state_server(files: &Files, loop_hz: &str) -> Result<ControllerConfig> {
     let mut config = files.controller(&["ROS_STATE"], &PORTS)?;
-    let fields = [
-        ("CHECKED", "true"),
-        ("LOOP_HZ", loop_hz),
-        ("SLOOP_DIV", "10"),
-        ("S_TCP_NR", "11002"),
-        ("S_TAG_NR", "3"),
-        ("UM_CLEAR", "true"),
-    ];
-    config.presets = fields
-        .iter()
-        .map(|(field, value)| (format!("[ROS_STATE]CFG_.{field}"), (*value).to_owned()))
-        .collect();
+    config.presets = entered("[ROS_STATE]");
+    let rate = ("[ROS_STATE]CFG_.LOOP_HZ".to_owned(), loop_hz.to_owned());
+    config.presets.push(rate);
     Ok(config)
+}
+
+/// The command line of the documentation: everything is entered before the first statement.
+async fn entered_before(files: &Files, table: &mut Table) -> Result<()> {
+    let mut config = files.controller(&["ROS"], &PORTS)?;
+    config.presets = entered("CFG_");
+    let rig = Rig::start(&config).await?;
+    rig.pass(1.0).await?;
+    let relay = rig.screen_has("RREL Waiting for ROS traj relay").await?;
+    let state = rig.screen_has("RSTA Waiting for ROS state proxy").await?;
+    let what = "first run with CHECKED entered before: both wait";
+    table.same("T3.1", what, true, relay && state);
+    let alarms = rig.alarms().await?.len();
+    table.same("T3.1", "alarms then", 0, alarms);
+    rig.stop().await;
+    Ok(())
 }
 
 /// The next STATUS that was made from now on.
