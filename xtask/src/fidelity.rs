@@ -122,7 +122,12 @@ pub(crate) fn page() -> Result<String> {
     }
     let mut guesses = guesses()?;
     let all = guesses.len();
-    guesses.retain(|guess| !decided.contains(&(guess.file.clone(), guess.item.clone())));
+    guesses.retain(|Guess { file, item, .. }| {
+        // A mark of a whole file is settled by any rule that is decided there.
+        let whole = file.ends_with(&format!("/{item}"));
+        let settles = |(place, name): &(String, String)| place == file && (whole || name == item);
+        !decided.iter().any(settles)
+    });
     writeln!(
         page,
         "\n## Smaller guesses\n\n\
@@ -288,8 +293,8 @@ mod tests {
     fn every_rule_has_its_place_and_its_tests_and_the_page_is_current() {
         let kept = fs::read_to_string(root().join("docs/fidelity.md")).unwrap_or_default();
         let page = page().unwrap();
-        assert_eq!(
-            kept, page,
+        assert!(
+            kept == page,
             "run `cargo xtask fidelity` and look at what changes"
         );
     }

@@ -74,10 +74,8 @@ impl Hardware {
                 let reason = reason.unwrap_or_else(|| "somebody holds it".to_owned());
                 Some(format!("the motion is held: {reason}"))
             }
-            Wait::Connect(name) => Some(format!(
-                "until a client connects, {name}: is the only way on; there is no timeout"
-            )),
-            Wait::Writable(_)
+            Wait::Connect(_)
+            | Wait::Writable(_)
             | Wait::Motion(_)
             | Wait::MotionQueue
             | Wait::Continue
