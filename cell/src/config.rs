@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
+use karel_emulator::{ControllerGeneration, Fidelity};
 use serde::Deserialize;
 use server::config::{CellSection, IdentitySection, JournalSection, ServerSection, SetupSource};
 
@@ -114,6 +115,12 @@ pub(crate) struct VirtualControllerSection {
     /// What happens to a second client while the first is served.
     #[serde(default)]
     pub(crate) second_client: SecondClientWord,
+    /// `faithful`, as silent as a real one, or `kind`: it explains itself in its log and at its control interface.
+    #[serde(default)]
+    pub(crate) fidelity: Fidelity,
+    /// `any`, `v7` (R-30iA, KAREL moves the arm) or `v9` (R-30iB Plus, only TP programs do).
+    #[serde(default)]
+    pub(crate) generation: ControllerGeneration,
 }
 
 /// What a panel lets its visitors do: whoever reaches its loopback address.

@@ -154,6 +154,8 @@ fn prepare(
             .iter()
             .map(|(program, host)| (*program, *host)),
     );
+    config.fidelity = section.fidelity;
+    config.generation = section.generation;
     config.second_client = match section.second_client {
         SecondClientWord::Backlog => SecondClient::Backlog,
         SecondClientWord::Refuse => SecondClient::Refuse,

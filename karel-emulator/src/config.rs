@@ -10,6 +10,7 @@ use kinematics::{ArmModel, PendantJoints};
 
 use crate::devices::{FileName, Folder};
 use crate::faults::{ControllerOption, FaultBody};
+use crate::fidelity::{ControllerGeneration, Fidelity};
 use crate::gripper::{GripperConfig, SharedWorkpieces, Workpieces};
 use crate::ports::PortCounts;
 
@@ -167,6 +168,10 @@ pub struct ControllerConfig {
     pub hosts: Hosts,
     /// The order of bytes in binary files.
     pub byte_order: ByteOrder,
+    /// How much the controller says about itself.
+    pub fidelity: Fidelity,
+    /// The generation of the controller: what it translates.
+    pub generation: ControllerGeneration,
     /// I/O ports.
     pub ports: PortCounts,
     /// Numbers of the registers in which TP programs find epoch and number of the command they carry out, for the
@@ -216,6 +221,8 @@ impl ControllerConfig {
             folder: None,
             hosts: Hosts::default(),
             byte_order: ByteOrder::default(),
+            fidelity: Fidelity::default(),
+            generation: ControllerGeneration::default(),
             ports: PortCounts::default(),
             command_registers: None,
             gripper: None,

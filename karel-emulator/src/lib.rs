@@ -60,6 +60,7 @@ mod driver;
 pub mod effects;
 pub mod error;
 pub mod faults;
+pub mod fidelity;
 pub mod gripper;
 mod hardware;
 pub mod labels;
@@ -79,6 +80,7 @@ pub use config::{
 pub use controller::{CmosMemory, Controller, OperateError, Operation};
 pub use error::{ControllerStopped, StartError};
 pub use faults::{ControllerOption, FaultBody, FaultError, FaultKind, FaultView};
+pub use fidelity::{ControllerGeneration, Fidelity, Note, Profile};
 pub use gripper::{GripperConfig, Workpieces};
 pub use hardware::operator::OperatingMode;
 pub use labels::PeerLabels;

@@ -4,6 +4,7 @@ use std::net::SocketAddr;
 
 use serde::{Deserialize, Serialize};
 
+use crate::fidelity::Fidelity;
 use crate::gripper::GripperView;
 use crate::hardware::operator::OperatingMode;
 use crate::ledger::{JointsDeg, PoseMmDeg};
@@ -77,6 +78,12 @@ pub struct State {
     pub tags: Vec<TagView>,
     /// The I/O ports that are not off.
     pub ports: Vec<PortView>,
+    /// How much the controller says about itself.
+    #[serde(default)]
+    pub fidelity: Fidelity,
+    /// Number of the newest note; a faithful controller has none.
+    #[serde(default)]
+    pub note_seq: u64,
     /// How many alarms wait for a reset.
     pub active_alarms: usize,
     /// Number of the newest ledger entry.
@@ -107,6 +114,9 @@ pub struct TaskState {
     pub line: u32,
     /// What it waits for, or the error that ended it.
     pub detail: Option<String>,
+    /// Of a kind controller: why that may take long.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hint: Option<String>,
 }
 
 /// What a task does.

@@ -15,6 +15,9 @@ pub const RECEIVE_LIMIT: usize = 64 * 1024;
 /// Bytes that the program wrote and the operating system did not take yet.
 pub const SEND_LIMIT: usize = 64 * 1024;
 
+/// Bytes that were read and are remembered for a note.
+const RECENT: usize = 254;
+
 /// HOST-208: the connection does not exist any more. Seen on controllers when a peer vanished.
 pub const HOST_NOT_CONNECTED: Status = Status::new(67, 208);
 
@@ -29,6 +32,8 @@ pub struct Connection {
     pub request_id: Option<String>,
     /// Received and not yet read.
     pub received: Vec<u8>,
+    /// The last bytes that were read, a few.
+    pub recent: Vec<u8>,
     /// Written and not yet taken by the operating system.
     pub unsent: usize,
     /// What a READ beyond the end reports, once the peer has closed.
@@ -135,10 +140,19 @@ impl Connection {
             peer,
             request_id: None,
             received: Vec::new(),
+            recent: Vec::new(),
             unsent: 0,
             end: None,
             broken: false,
         }
+    }
+
+    /// Takes bytes that a READ has consumed.
+    pub fn take(&mut self, count: usize) {
+        let taken = self.received.drain(..count.min(self.received.len()));
+        self.recent.extend(taken);
+        let surplus = self.recent.len().saturating_sub(RECENT);
+        drop(self.recent.drain(..surplus));
     }
 
     /// How many more bytes may be received now.

@@ -44,7 +44,7 @@ fn check_reads_listings_of_tp_programs_and_all_that_is_shipped_is_good() {
         .map(|path| path.display().to_string())
         .collect();
     files.sort();
-    assert_eq!(files.len(), 7);
+    assert_eq!(files.len(), 12);
     let mut arguments = vec!["check"];
     arguments.extend(files.iter().map(String::as_str));
     assert_eq!(run(&arguments), (Some(0), String::new()));

@@ -344,7 +344,7 @@ impl Drop for Running {
 fn a_running_controller_is_looked_at_changed_and_broken_from_the_command_line() {
     let folder = Folder::new(&[(
         "counter.kl",
-        "PROGRAM counter\nVAR n : INTEGER\nBEGIN\n  n = 0\n  WHILE TRUE DO\n    n = n + 1\n    DELAY 20\n  ENDWHILE\nEND counter\n",
+        "PROGRAM counter\nVAR n : INTEGER\nBEGIN\n  n = 0\n  WHILE TRUE DO\n    n = n + 1\n    DELAY 40\n  ENDWHILE\nEND counter\n",
     )]);
     let source = folder.path("counter.kl");
     let running = Running::start(&[&source]);
@@ -369,7 +369,7 @@ fn a_running_controller_is_looked_at_changed_and_broken_from_the_command_line() 
     assert_eq!(ok(&["get", "[COUNTER]"]), "N = -500\n");
     assert!(ok(&["time", "step", "1000"]).contains("stands still"));
     let n: i32 = ok(&["get", "[counter]n"]).trim().parse().expect("a number");
-    assert!((-452..=-448).contains(&n), "{n}");
+    assert!((-477..=-473).contains(&n), "{n}");
     let _set = ok(&["set", "DIN[4]", "ON", "--simulate"]);
     assert_eq!(ok(&["get", "DI[4]"]), "1\n");
     let _set = ok(&["set", "DIN[4]", "--end-simulation"]);

@@ -3,8 +3,11 @@
 mod bench;
 mod ci;
 mod command;
+mod conformance;
 mod failures;
+mod fidelity;
 mod openapi;
+mod python;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
@@ -33,10 +36,21 @@ enum Task {
     },
     /// Everything a change has to pass: format, lints, documentation, dependencies, tests.
     Ci,
+    /// Run the three public KAREL drivers, unmodified, on the virtual controller, each with its usual client.
+    Conformance {
+        /// Folder with checkouts of sitar777/fanuc-control, torayeff/fanucpy and ros-industrial/fanuc.
+        #[arg(long, value_name = "DIR")]
+        sources: String,
+        /// More arguments, e.g. `--only t3`.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        args: Vec<String>,
+    },
     /// Write openapi.yaml from the server's routes.
     Openapi,
     /// Write docs/failures.md from docs/failures.toml and the tests.
     Failures,
+    /// Write docs/fidelity.md from docs/fidelity.toml and the source.
+    Fidelity,
     /// Run a benchmark against the peer, both in one run.
     Bench {
         /// Which one.
@@ -53,8 +67,10 @@ fn main() -> Result<()> {
         Task::Run { args } => run(&args),
         Task::Test { args } => ci::test(&args),
         Task::Ci => ci::all(),
+        Task::Conformance { sources, args } => conformance::run(&sources, &args),
         Task::Openapi => openapi::write(),
         Task::Failures => failures::write(),
+        Task::Fidelity => fidelity::write(),
         Task::Bench { which, args } => bench::run(which, &args),
     }
 }

@@ -448,6 +448,15 @@ pub trait Host {
     /// arrived: [`Host::motion_ended`] answers with status 0.
     fn cancel_arm(&mut self, _task: TaskId) {}
 
+    /// The period of the controller's interpolation: a `DELAY` lasts a whole number of these. Zero for any time.
+    fn interpolation_period(&self) -> Duration {
+        Duration::ZERO
+    }
+
+    /// A program did something that is correct and has another effect than many expect: `why` says which. For people;
+    /// nothing that a program can see depends on it.
+    fn explain(&mut self, _task: TaskId, _place: (&str, u32), _why: &dyn Fn() -> String) {}
+
     /// `STOP` and `HOLD`: the arm brakes and keeps what it was to do.
     fn hold_arm(&mut self, task: TaskId) {
         self.hold_motions(task);

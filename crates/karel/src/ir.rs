@@ -312,9 +312,11 @@ pub(crate) struct SharedVariable {
     pub(crate) ty: Type,
 }
 
-/// What `%NOPAUSE` and `%NOABORT` say.
+/// What `%NOPAUSE`, `%NOABORT` and `%NOLOCKGROUP` say.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Attributes {
+    /// `%NOLOCKGROUP`: the program has no control of the motion group.
+    pub(crate) free_of_group: bool,
     pub(crate) no_pause: Sources,
     pub(crate) no_abort: Sources,
 }

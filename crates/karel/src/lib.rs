@@ -80,6 +80,7 @@ mod cmos;
 mod diagnostic;
 mod error;
 mod frame;
+mod generation;
 mod headers;
 mod host;
 mod include;
@@ -109,6 +110,7 @@ mod value;
 pub use cmos::{Cmos, PathNodes, Scalar};
 pub use diagnostic::{Diagnostic, Severity, render};
 pub use error::{CallSite, RuntimeError};
+pub use generation::Generation;
 pub use host::{
     AlarmSeverity, AlarmView, FileId, FileOperation, HandAction, Host, Input, InputEnd,
     Interpolation, MotionId, MotionPath, MotionRequest, MoveEnd, OpenMode, ProgramAlarm, Progress,

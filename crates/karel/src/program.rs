@@ -8,6 +8,7 @@ use std::{
 use crate::{
     check,
     diagnostic::{Diagnostic, Reports},
+    generation::Generation,
     include::{IncludeFiles, Includes},
     ir::{Attributes, Code, SharedVariable},
     lower,
@@ -64,12 +65,26 @@ impl Program {
         file_name: &str,
         includes: &dyn Includes,
     ) -> Result<Program, Vec<Diagnostic>> {
+        Program::for_generation(source, file_name, includes, Generation::Any)
+    }
+
+    /// Translates a source for one generation of controllers: what that does not translate is an error, names that are
+    /// too long for it are warnings.
+    ///
+    /// # Errors
+    /// As [`Program::with_includes`].
+    pub fn for_generation(
+        source: &[u8],
+        file_name: &str,
+        includes: &dyn Includes,
+        generation: Generation,
+    ) -> Result<Program, Vec<Diagnostic>> {
         let mut source = Source::new(source, file_name);
         let mut reports = Reports::default();
         let Some(tree) = parser::parse(&mut source, Some(includes), &mut reports) else {
             return Err(reports.into_diagnostics(&source));
         };
-        let checked = check::check(&tree, &mut reports);
+        let checked = check::check(&tree, generation, &mut reports);
         if reports.has_errors() {
             return Err(reports.into_diagnostics(&source));
         }
@@ -147,11 +162,24 @@ impl Program {
         file_name: &str,
         includes: &dyn Includes,
     ) -> Result<Program, Vec<Diagnostic>> {
+        Program::from_file_for(source, file_name, includes, Generation::Any)
+    }
+
+    /// As [`Program::from_file`], for one generation of controllers.
+    ///
+    /// # Errors
+    /// As [`Program::for_generation`] and [`Program::parse_listing`].
+    pub fn from_file_for(
+        source: &[u8],
+        file_name: &str,
+        includes: &dyn Includes,
+        generation: Generation,
+    ) -> Result<Program, Vec<Diagnostic>> {
         let extension = file_name.rsplit_once('.').map(|(_, extension)| extension);
         if extension.is_some_and(|extension| extension.eq_ignore_ascii_case("ls")) {
             return Program::parse_listing(source, file_name);
         }
-        Program::with_includes(source, file_name, includes)
+        Program::for_generation(source, file_name, includes, generation)
     }
 
     /// The name after PROGRAM, upper case.
@@ -175,6 +203,13 @@ impl Program {
             Interruption::Command => !no_pause.command,
             Interruption::PendantEnabled => !no_pause.pendant,
         }
+    }
+
+    /// Whether a task of this program has control of the motion group: `CANCEL`, `STOP` and their kind reach no motion
+    /// without it. Without `%NOLOCKGROUP` it has.
+    #[must_use]
+    pub fn locks_group(&self) -> bool {
+        !self.attributes.free_of_group
     }
 
     /// Whether an alarm of the severity "abort" ends a task of this program.

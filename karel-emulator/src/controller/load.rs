@@ -1,6 +1,6 @@
 //! Programs from source to machine.
 
-use karel::{IncludeFiles, Machine, Program};
+use karel::{Generation, IncludeFiles, Machine, Program};
 
 use super::programs::{Loaded, ProgramKind};
 use crate::config::{Limits, ProgramSource};
@@ -11,6 +11,7 @@ pub(super) fn load(
     machine: &mut Machine,
     programs: &[ProgramSource],
     includes: &[ProgramSource],
+    generation: Generation,
     limits: Limits,
 ) -> Result<Vec<Loaded>, StartError> {
     if programs.is_empty() {
@@ -35,14 +36,15 @@ pub(super) fn load(
                 limit: limits.program_bytes,
             });
         }
-        let program = Program::from_file(text, file, &files).map_err(|diagnostics| {
-            let rendered: Vec<String> = diagnostics.iter().map(ToString::to_string).collect();
-            StartError::Program {
-                file: file.clone(),
-                errors: diagnostics.len(),
-                rendered: rendered.join("\n"),
-            }
-        })?;
+        let program =
+            Program::from_file_for(text, file, &files, generation).map_err(|diagnostics| {
+                let rendered: Vec<String> = diagnostics.iter().map(ToString::to_string).collect();
+                StartError::Program {
+                    file: file.clone(),
+                    errors: diagnostics.len(),
+                    rendered: rendered.join("\n"),
+                }
+            })?;
         for warning in program.warnings() {
             tracing::warn!("{warning}");
         }

@@ -128,7 +128,13 @@ impl Controller {
         let limits = config.limits;
         let mut machine = Machine::new(karel::Limits::default());
         machine.set_byte_order(config.byte_order);
-        let loaded = load::load(&mut machine, &config.programs, &config.includes, limits)?;
+        let loaded = load::load(
+            &mut machine,
+            &config.programs,
+            &config.includes,
+            config.generation.into(),
+            limits,
+        )?;
         let run = if config.run.is_empty() {
             let first = loaded.first().map(|program| program.name.clone());
             first.into_iter().collect()
@@ -423,6 +429,7 @@ impl Controller {
             Run::Ended => Phase::Over,
             Run::Aborted(error) => {
                 self.hardware.stop_arm_of(id, &error.to_string());
+                self.hardware.tell_clients(id, &error);
                 Phase::Over
             }
         };

@@ -173,15 +173,18 @@ impl Controller {
         ids.filter_map(|id| self.seen(id))
     }
 
-    /// Ends a task; the arm brakes if it moves for it. Its connections stay open and silent.
+    /// Asks a task to end, as the ABORT key does: its `WHEN ABORT` may refuse with `NOABORT`. The arm brakes if it moves
+    /// for a task that ends. Its connections stay open and silent.
     ///
     /// # Errors
     /// There is no such task.
     pub fn abort_task(&mut self, name: &str) -> Result<(), TaskError> {
         let id = self.task(name)?.id;
-        self.machine.abort(id, &mut self.hardware);
+        self.machine.request_abort(id, &mut self.hardware);
         let text = format!("The task {} was aborted by the operator", shown(name));
-        self.hardware.stop_arm_of(id, &text);
+        if !self.machine.is_alive(id) {
+            self.hardware.stop_arm_of(id, &text);
+        }
         self.hardware
             .post(super::SYST_ABORTED, text, Severity::Warn);
         self.follow_tasks();

@@ -3,11 +3,38 @@
 use karel::{FileId, Wait};
 
 use super::{Controller, Task};
+use crate::fidelity::{Fidelity, Note, Profile};
 use crate::hardware::gripping::Gripper;
 use crate::ledger::seconds;
+use crate::motion::path::INTERPOLATION_PERIOD_S;
 use crate::state::{JointLimit, State, TagView, TaskState, TaskWord};
 
 impl Controller {
+    /// Which controller this is.
+    #[must_use]
+    pub fn profile(&self) -> Profile {
+        let hardware = &self.hardware;
+        Profile {
+            fidelity: hardware.fidelity,
+            generation: hardware.generation,
+            version: hardware.generation.version().to_owned(),
+            byte_order: self.machine.byte_order().into(),
+            interpolation_period_ms: INTERPOLATION_PERIOD_S * 1000.0,
+            missing_options: hardware.missing.iter().copied().collect(),
+        }
+    }
+
+    /// Lets the controller explain itself, or be silent.
+    pub fn set_fidelity(&mut self, fidelity: Fidelity) {
+        self.hardware.fidelity = fidelity;
+    }
+
+    /// What a kind controller has said, above a number, oldest first.
+    #[must_use]
+    pub fn notes(&self, after: u64) -> Vec<Note> {
+        self.hardware.notes.after(after).cloned().collect()
+    }
+
     /// A snapshot for people and tests.
     #[must_use]
     pub fn state(&self) -> State {
@@ -71,6 +98,8 @@ impl Controller {
                 })
                 .collect(),
             ports: hardware.ports.view(),
+            fidelity: hardware.fidelity,
+            note_seq: hardware.notes.last_seq(),
             active_alarms: hardware.alarms.active(),
             ledger_seq: hardware.ledger.last_seq(),
         }
@@ -80,12 +109,20 @@ impl Controller {
         let view = self.machine.task(task.id)?;
         let paused = self.machine.is_paused(task.id);
         let (state, detail) = task_in_words(&view.state, paused);
+        let hint = match &view.state {
+            karel::TaskState::Blocked(wait) if !paused => self.hardware.hint(wait),
+            karel::TaskState::Blocked(_)
+            | karel::TaskState::Ready
+            | karel::TaskState::Ended
+            | karel::TaskState::Aborted(_) => None,
+        };
         Some(TaskState {
             name: view.name.to_string(),
             program: view.program.to_string(),
             state,
             line: view.line,
             detail,
+            hint,
         })
     }
 }

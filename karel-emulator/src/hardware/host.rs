@@ -11,6 +11,7 @@ use karel::{
 use super::Hardware;
 use super::arm::only_group;
 use super::operator::OperatingMode;
+use crate::motion::path::INTERPOLATION_PERIOD_S;
 use crate::motion::planner::{joint_position, pendant_joints};
 use crate::ports::SetInputError;
 use crate::sysvars::Reading;
@@ -18,6 +19,16 @@ use crate::sysvars::Reading;
 impl Host for Hardware {
     fn now(&self) -> Duration {
         self.now
+    }
+
+    fn interpolation_period(&self) -> Duration {
+        Duration::from_secs_f64(INTERPOLATION_PERIOD_S)
+    }
+
+    fn explain(&mut self, _task: TaskId, place: (&str, u32), why: &dyn Fn() -> String) {
+        if self.is_kind() {
+            self.note(Some(place), why());
+        }
     }
 
     fn msg_connect(&mut self, task: TaskId, tag: &str) -> Progress<Status> {
@@ -95,6 +106,8 @@ impl Host for Hardware {
                     controller = %self.name,
                     "CHECK_EPOS answers {}: {}.", refusal.status, refusal.text,
                 );
+                let text = format!("CHECK_EPOS answers {}: {}", refusal.status, refusal.text);
+                self.note(None, text);
                 refusal.status
             }
         }

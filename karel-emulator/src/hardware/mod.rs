@@ -4,6 +4,7 @@
 //! can run with a mutable borrow of it.
 
 mod arm;
+mod explain;
 pub(crate) mod gripping;
 mod host;
 pub(crate) mod operator;
@@ -24,6 +25,7 @@ use crate::controller::CmosMemory;
 use crate::devices::Devices;
 use crate::effects::{ConnectionId, Effect, Tag};
 use crate::faults::ControllerOption;
+use crate::fidelity::{ControllerGeneration, Fidelity, Notes};
 use crate::ledger::{CommandId, Ledger, MotionKind, PoseMmDeg, seconds};
 use crate::motion::{Executor, Planner, Refusal};
 use crate::ports::Ports;
@@ -62,6 +64,9 @@ pub(crate) struct Hardware {
     pub(crate) running: Option<TaskId>,
     /// A fault: the general override does not go beyond this.
     pub(crate) override_limit: Option<i32>,
+    pub(crate) fidelity: Fidelity,
+    pub(crate) generation: ControllerGeneration,
+    pub(crate) notes: Notes,
     /// Options that the controller was delivered without.
     pub(crate) missing: BTreeSet<ControllerOption>,
     /// The built-in that the running task called and that does not exist without an option.
@@ -153,7 +158,7 @@ impl Hardware {
             name: config.name.as_str().into(),
             now: Duration::ZERO,
             planner: Planner::new(config.model.clone()),
-            variables: SystemVariables::new(),
+            variables: SystemVariables::of(config.generation),
             ports: Ports::new(config.ports),
             executor: Executor::new(config.start_joints, 1.0),
             override_percent: 100,
@@ -168,6 +173,9 @@ impl Hardware {
             command_registers: config.command_registers,
             running: None,
             override_limit: None,
+            fidelity: config.fidelity,
+            generation: config.generation,
+            notes: Notes::default(),
             missing: config.missing_options.clone(),
             missing_call: None,
             effects: Vec::new(),
@@ -225,7 +233,7 @@ impl Hardware {
         self.forget_tasks(&[]);
         self.wakes.clear();
         if memory == CmosMemory::Lost {
-            self.variables = SystemVariables::new();
+            self.variables = SystemVariables::of(self.generation);
         }
         self.ports.power_cycle();
         self.devices.power_cycle();

@@ -20,6 +20,9 @@ impl Hardware {
     pub(super) fn connect(&mut self, task: TaskId, name: &str) -> Progress<Status> {
         self.try_connect(task, name).unwrap_or_else(|status| {
             tracing::debug!(controller = %self.name, tag = name, "MSG_CONNECT fails with {status}.");
+            if self.is_kind() {
+                self.note_no_connection(name, status);
+            }
             Progress::Ready(status)
         })
     }
@@ -272,8 +275,7 @@ impl Hardware {
             peer: Some(connection.peer),
             request_id: connection.request_id.clone(),
         };
-        let count = count.min(connection.received.len());
-        drop(connection.received.drain(..count));
+        connection.take(count);
         let _previous = self.origins.insert(task, origin);
     }
 

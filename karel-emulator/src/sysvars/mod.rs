@@ -8,6 +8,7 @@ mod table;
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::fidelity::ControllerGeneration;
 use karel::{Position, Status, Step, SysPath, SysValue, Text, Value};
 
 /// VARS-032: the value is outside of the variable's range.
@@ -79,7 +80,13 @@ impl SystemVariables {
     /// The variables with the values of power-on.
     #[must_use]
     pub fn new() -> Self {
-        let variables = table::power_on();
+        Self::of(ControllerGeneration::Any)
+    }
+
+    /// The same, of a controller of this generation.
+    #[must_use]
+    pub fn of(generation: ControllerGeneration) -> Self {
+        let variables = table::power_on(generation);
         let shapes = variables.keys().map(|path| shape_of(path)).collect();
         Self { variables, shapes }
     }

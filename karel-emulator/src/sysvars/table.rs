@@ -6,6 +6,7 @@ use karel::{Position, Text, Value};
 
 use super::codes::{motype, termtype};
 use super::{Kind, Live, Source, Variable};
+use crate::fidelity::ControllerGeneration;
 use crate::motion::path::SPEED_LIMIT;
 
 const ANY: Kind = Kind::Integer {
@@ -24,7 +25,7 @@ const MENU_FRAMES: i32 = 10;
 /// `$STATE` of a tag that programs may use.
 const TAG_STARTED: i32 = 3;
 
-pub(super) fn power_on() -> BTreeMap<String, Variable> {
+pub(super) fn power_on(generation: ControllerGeneration) -> BTreeMap<String, Variable> {
     let mut table = Table::default();
     for number in 1..=8 {
         table.tag(&format!("$HOSTS_CFG[{number}]"));
@@ -32,7 +33,7 @@ pub(super) fn power_on() -> BTreeMap<String, Variable> {
     }
     table.motion_environment();
     table.menu_frames();
-    table.rest();
+    table.rest(generation);
     table.0
 }
 
@@ -131,7 +132,7 @@ impl Table {
         self.integer("$MNUTOOLNUM[1]", frame, 1);
     }
 
-    fn rest(&mut self) {
+    fn rest(&mut self, generation: ControllerGeneration) {
         // ASSUMPTION: 0 is legal and holds the arm where it is.
         self.integer("$MCR.$GENOVERRIDE", Kind::Integer { min: 0, max: 100 }, 100);
         self.stored("$DMAURST", Kind::Boolean, Value::Boolean(false));
@@ -149,7 +150,7 @@ impl Table {
             },
             Value::Real(0.0),
         );
-        let version = Value::String(Text::from("V7.70"));
+        let version = Value::String(Text::from(generation.version()));
         self.stored("$SCR_GRP[1].$SV_CODE_ID", NAME, version);
         self.position("$NILPOS");
         self.integer("$NUM_GROUP", Kind::Integer { min: 1, max: 1 }, 1);

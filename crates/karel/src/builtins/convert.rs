@@ -91,12 +91,27 @@ fn real_str(context: &mut Context<'_>) -> Result<Outcome, Fault> {
 /// What is no number leaves the variable uninitialized, and that is no error.
 fn str_int(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     let value = parse_integer(context.text(0).as_bytes().trim_ascii(), 10);
+    if value.is_none() {
+        no_number(context, "CNV_STR_INT");
+    }
     context.put(1, value.map_or(Cell::Uninit, Cell::Integer));
     Ok(Outcome::Done)
 }
 
+fn no_number(context: &mut Context<'_>, builtin: &str) {
+    let text = context.text(0).to_string_lossless();
+    context.explain(&|| {
+        format!(
+            "{builtin} finds no number in {text:?}: its variable has no value now, and using it ends the task with INTP-311"
+        )
+    });
+}
+
 fn str_real(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     let value = parse_real(context.text(0).as_bytes().trim_ascii());
+    if value.is_none() {
+        no_number(context, "CNV_STR_REAL");
+    }
     context.put(1, value.map_or(Cell::Uninit, Cell::Real));
     Ok(Outcome::Done)
 }

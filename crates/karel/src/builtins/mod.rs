@@ -262,6 +262,12 @@ impl Context<'_> {
         }
     }
 
+    /// Says why something that is correct has another effect than many expect.
+    fn explain(&mut self, why: &dyn Fn() -> String) {
+        let place = (self.program.name(), self.running.line);
+        self.host.explain(self.task, place, why);
+    }
+
     fn arg(&self, number: usize) -> &Cell {
         let index = number + usize::from(self.site.result_in_memory);
         self.operands

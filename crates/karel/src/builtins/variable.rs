@@ -93,6 +93,7 @@ fn set_var(context: &mut Context<'_>) -> Result<Outcome, Fault> {
         (Ok(()), None) => Status::INTP_UNINIT,
         (Ok(()), Some(_)) => Status::OK,
     };
+    tell_failure(context, "SET_VAR", status);
     context.put_status(4, status);
     Ok(Outcome::Done)
 }
@@ -191,8 +192,21 @@ fn get_var(context: &mut Context<'_>) -> Result<Outcome, Fault> {
         }
         Err(status) => status,
     };
+    tell_failure(context, "GET_VAR", status);
     context.put_status(4, status);
     Ok(Outcome::Done)
+}
+
+/// Programs that do not look at the status go on with what the variable was before.
+fn tell_failure(context: &mut Context<'_>, builtin: &str, status: Status) {
+    if status == Status::OK || status == Status::INTP_UNINIT {
+        return;
+    }
+    let (program, path) = (context.text(1), context.text(2));
+    context.explain(&|| {
+        let (program, path) = (program.to_string_lossless(), path.to_string_lossless());
+        format!("{builtin} of {path:?} in {program} answers {status}, and nothing was changed")
+    });
 }
 
 fn get_system(context: &Context<'_>, path: &SysPath) -> Result<Value, Status> {

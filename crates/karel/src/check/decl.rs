@@ -128,6 +128,7 @@ impl Checker<'_> {
     }
 
     fn declare_symbol(&mut self, name: &Name, symbol: Symbol, global: bool) {
+        self.name_length(name);
         let scope = if global {
             &mut self.globals
         } else {
@@ -179,6 +180,7 @@ impl Checker<'_> {
     }
 
     fn declare_routine(&mut self, routine: &Routine, home: Home) {
+        self.name_length(&routine.name);
         let promised = self.routines.get(&routine.name.text).copied();
         if let Some(index) = promised
             && let Some(earlier) = self.signatures.get_mut(index)

@@ -20,6 +20,7 @@ use std::collections::HashMap;
 use crate::{
     ast,
     diagnostic::Reports,
+    generation::Generation,
     ir::{self, External},
     span::Span,
     typed::Routine,
@@ -56,9 +57,14 @@ pub(crate) struct Checked {
 }
 
 /// Checks `program`. The result is meaningful only if no errors were reported.
-pub(crate) fn check(program: &ast::Program, reports: &mut Reports) -> Checked {
+pub(crate) fn check(
+    program: &ast::Program,
+    generation: Generation,
+    reports: &mut Reports,
+) -> Checked {
     let mut checker = Checker {
         reports,
+        generation,
         program: program.name.text.clone(),
         globals: Scope::default(),
         locals: Scope::default(),
@@ -80,6 +86,7 @@ pub(crate) fn check(program: &ast::Program, reports: &mut Reports) -> Checked {
 
 struct Checker<'a> {
     reports: &'a mut Reports,
+    generation: Generation,
     program: String,
     globals: Scope,
     locals: Scope,
@@ -202,6 +209,7 @@ impl Checker<'_> {
             if name == "%NOABORT" {
                 self.attributes.no_abort = ir::Sources::parse(&directive.argument);
             }
+            self.attributes.free_of_group |= name == "%NOLOCKGROUP";
             self.cmos_vars |= matches!(name, "%CMOSVARS" | "%SHADOWVARS");
             if !KNOWN_DIRECTIVES.contains(&name) {
                 self.reports.warning(
@@ -212,7 +220,29 @@ impl Checker<'_> {
         }
     }
 
+    /// `MOVE`, in any of its forms.
+    fn karel_motion(&mut self, span: Span) {
+        if !self.generation.has_motion() {
+            let message = format!("MOVE is not translated for {}", self.generation.name());
+            let help = "let a TP program move: CALL_PROGLIN, or RUN_TASK, with the target in a position register";
+            self.reports.error_with_help(span, message, help);
+        }
+    }
+
+    fn name_length(&mut self, name: &ast::Name) {
+        let (length, most) = (name.text.len(), self.generation.longest_name());
+        if length > most {
+            let generation = self.generation.name();
+            let message = format!(
+                "`{}` has {length} characters, {generation} has names of at most {most}",
+                name.text
+            );
+            self.reports.warning(name.span, message);
+        }
+    }
+
     fn program(mut self, program: &ast::Program) -> Checked {
+        self.name_length(&program.name);
         self.declare(&program.decls, true);
         self.declare_routines(&program.decls);
         let mut routines = vec![self.main_body(program)];

@@ -88,7 +88,10 @@ impl Checker<'_> {
                 waits,
                 whens,
                 until,
-            } => self.move_statement((form, via.as_ref()), *waits, whens, until.as_ref()),
+            } => {
+                self.karel_motion(stmt.span);
+                self.move_statement((form, via.as_ref()), *waits, whens, until.as_ref())
+            }
             ast::StmtKind::Condition {
                 number,
                 with,

@@ -7,7 +7,7 @@ use crate::{
     ast::{Dim, Expr, Name, Param, TypeExpr, TypeKind},
     typed::Constant,
     types::{
-        ArrayType, Field, MAX_CELLS, MAX_NODE, MAX_OPEN_DIMS, MAX_STRING, MAX_TYPE_DEPTH, PathType,
+        ArrayType, Field, MAX_CELLS, MAX_NODE, MAX_OPEN_DIMS, MAX_TYPE_DEPTH, PathType,
         StructureType, TextLength, Type,
     },
 };
@@ -31,10 +31,12 @@ impl Checker<'_> {
         match &written.kind {
             TypeKind::Name(name) => self.named_type(name),
             TypeKind::Text(None) => Type::TEXT,
-            TypeKind::Text(Some(length)) => match self.length(length, MAX_STRING) {
-                Some(length) => Type::Text(TextLength::AtMost(length)),
-                None => Type::Error,
-            },
+            TypeKind::Text(Some(length)) => {
+                match self.length(length, self.generation.longest_string()) {
+                    Some(length) => Type::Text(TextLength::AtMost(length)),
+                    None => Type::Error,
+                }
+            }
             TypeKind::Array { dims, element } => self.array_type(dims, element),
             TypeKind::Structure(fields) => self.structure_type(fields, declared_as, written),
             TypeKind::Path { header, node } => {

@@ -66,6 +66,10 @@ impl Loaded {
             .is_pausable(crate::program::Interruption::Error)
     }
 
+    pub(crate) fn locks_group(&self) -> bool {
+        self.program.locks_group()
+    }
+
     pub(crate) fn is_abortable_by_error(&self) -> bool {
         self.program.is_abortable_by_error()
     }

@@ -115,6 +115,12 @@ impl Machine {
     }
 
     /// The order of bytes in binary files (`ATR_UF`); big endian if nobody says it.
+    #[must_use]
+    pub fn byte_order(&self) -> ByteOrder {
+        self.byte_order
+    }
+
+    /// The same, set.
     pub fn set_byte_order(&mut self, order: ByteOrder) {
         self.byte_order = order;
     }

@@ -118,6 +118,16 @@ impl Exec<'_> {
     /// ASSUMPTION: STOP and HOLD both hold what moves, RESUME and UNHOLD let it go on; there is one
     /// group and nobody else wants it, so ATTACH and RELEASE change nothing.
     pub(super) fn motion_verb(&mut self, verb: MotionVerb) -> Flow {
+        if !self.controls_motion() {
+            let place = (self.program.name(), self.line());
+            self.host.explain(self.id, place, &|| {
+                format!(
+                    "{} reaches no motion: the program has %NOLOCKGROUP, so it has no control of the motion group",
+                    verb.text()
+                )
+            });
+            return Flow::Next;
+        }
         match verb {
             MotionVerb::Cancel => self.host.cancel_arm(self.id),
             MotionVerb::Stop | MotionVerb::Hold => self.host.hold_arm(self.id),
@@ -125,6 +135,16 @@ impl Exec<'_> {
             MotionVerb::Attach | MotionVerb::Release => {}
         }
         Flow::Next
+    }
+
+    /// Reported by users of a driver: `CANCEL` in a program with `%NOLOCKGROUP` has no effect on a motion of another
+    /// task, because it reaches only groups that its task has control of.
+    ///
+    /// ASSUMPTION: so it is with `STOP`, `HOLD`, `RESUME` and `UNHOLD`, and the task's root program decides.
+    fn controls_motion(&self) -> bool {
+        let mut programs = self.programs.iter();
+        let root = programs.find(|loaded| loaded.name().eq_ignore_ascii_case(&self.task.name));
+        root.is_none_or(super::Loaded::locks_group)
     }
 
     pub(super) fn hand(&mut self, verb: HandVerb) -> Result<Flow, Fault> {

@@ -5,10 +5,12 @@ use std::process::ExitCode;
 
 use anyhow::Context;
 use karel::{Diagnostic, Limits, Machine, Program, Severity};
+use karel_emulator::ControllerGeneration;
 use serde::Serialize;
 
 use crate::http::put;
 use crate::includes::Folder;
+use crate::run::GenerationWord;
 
 /// Check KAREL programs and TP listings (`.ls`) without running them.
 ///
@@ -26,6 +28,10 @@ pub(crate) struct Check {
     /// that program has them.
     #[arg(long)]
     together: bool,
+    /// The generation of the controller that they are for: `v9` has no MOVE, `v7` has strings of 128 and names of 12
+    /// characters.
+    #[arg(long, value_enum, default_value_t = GenerationWord::Any)]
+    generation: GenerationWord,
     /// Print one JSON document on the standard output instead.
     #[arg(long)]
     json: bool,
@@ -66,6 +72,7 @@ struct Finding {
 impl Check {
     pub(crate) fn run(&self) -> anyhow::Result<ExitCode> {
         let mut findings = Findings::default();
+        let generation = ControllerGeneration::from(self.generation).into();
         let mut machine = Machine::new(Limits::default());
         for path in &self.files {
             let text =
@@ -76,7 +83,7 @@ impl Check {
                 file: file.clone(),
                 program: None,
             };
-            match Program::from_file(&text, &file, &folder) {
+            match Program::from_file_for(&text, &file, &folder, generation) {
                 Ok(program) => {
                     for warning in program.warnings() {
                         self.tell(&mut findings, warning);

@@ -11,7 +11,8 @@ use karel::{ByteOrder, Program};
 use karel_emulator::config::{ControllerConfig, Exposure, ProgramSource, SecondClient};
 use karel_emulator::devices;
 use karel_emulator::{
-    Clock, ControlAccess, ControllerOption, FaultBody, PeerLabels, VirtualController,
+    Clock, ControlAccess, ControllerGeneration, ControllerOption, FaultBody, Fidelity, PeerLabels,
+    VirtualController,
 };
 use kinematics::{ArmModel, PendantJoints};
 use tokio::signal::unix::{SignalKind, signal};
@@ -70,9 +71,10 @@ pub(crate) struct Run {
     /// What random faults are drawn from: the same seed and the same inputs give the same run.
     #[arg(long, default_value_t = 0, value_name = "NUMBER")]
     seed: u64,
-    /// Set this before the first statement runs, such as `R[1]=5`, `DIN[3]=ON`, `[PROG]VAR=true`; can be given several times.
-    #[arg(long = "set", value_name = "ITEM=VALUE", value_parser = parse_preset)]
-    presets: Vec<(String, String)>,
+    /// Set this before the first statement runs, such as `R[1]=5`, `DIN[3]=ON`, `[PROG]VAR=true`; can be given several
+    /// times. `@FILE` has one ITEM=VALUE a line; empty lines and those that begin with `--` are skipped.
+    #[arg(long = "set", value_name = "ITEM=VALUE|@FILE", value_parser = parse_presets)]
+    presets: Vec<Presets>,
     /// A fault from the start, as JSON: `{"fault": {"delay": {"ms": 50}}, "times": 3}`; can be given several times.
     #[arg(long = "fault", value_name = "JSON", value_parser = parse_fault)]
     faults: Vec<FaultBody>,
@@ -111,6 +113,14 @@ pub(crate) struct Run {
     /// Write binary files with the lowest byte first, as the vendor's simulator does.
     #[arg(long)]
     little_endian: bool,
+    /// How much the controller says about itself: `faithful` is as silent as a real one, `kind` explains why a client
+    /// hangs, a number is none, a pose is out of reach, and disconnects the clients of a task that an error has ended.
+    #[arg(long, value_enum, default_value_t = FidelityWord::Faithful)]
+    fidelity: FidelityWord,
+    /// The generation of the controller: `v7` (R-30iA: KAREL moves the arm, strings of 128), `v9` (R-30iB Plus: MOVE is
+    /// not translated), or `any`, which accepts both.
+    #[arg(long, value_enum, default_value_t = GenerationWord::Any)]
+    generation: GenerationWord,
     /// What to log on standard error, such as `info` or `karel_emulator=debug`.
     ///
     /// [default: info, with --until-idle warn]
@@ -133,6 +143,35 @@ enum Second {
     Backlog,
     /// It is refused.
     Refuse,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum FidelityWord {
+    /// As silent as a real one.
+    Faithful,
+    /// It explains itself.
+    Kind,
+}
+
+/// The generation of a controller, on a command line.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum GenerationWord {
+    /// Whatever any of them accepts.
+    Any,
+    /// R-30iA, system software 7.
+    V7,
+    /// R-30iB Plus, system software 9.
+    V9,
+}
+
+impl From<GenerationWord> for ControllerGeneration {
+    fn from(word: GenerationWord) -> Self {
+        match word {
+            GenerationWord::Any => Self::Any,
+            GenerationWord::V7 => Self::V7,
+            GenerationWord::V9 => Self::V9,
+        }
+    }
 }
 
 impl Run {
@@ -198,8 +237,13 @@ impl Run {
         if !self.look_only {
             config.control = ControlAccess::Control;
         }
+        config.fidelity = match self.fidelity {
+            FidelityWord::Faithful => Fidelity::Faithful,
+            FidelityWord::Kind => Fidelity::Kind,
+        };
+        config.generation = self.generation.into();
         config.seed = self.seed;
-        config.presets.clone_from(&self.presets);
+        config.presets = self.presets.iter().flat_map(|set| set.0.clone()).collect();
         config.faults.clone_from(&self.faults);
         let option = |option: &MissingOption| match option {
             MissingOption::R632 => ControllerOption::R632,
@@ -255,6 +299,27 @@ fn parse_clock(text: &str) -> anyhow::Result<Clock> {
     scale.ok_or_else(|| {
         anyhow!("the time scale is {text}, it must be above 0 and at most 1000, or max")
     })
+}
+
+/// What one `--set` sets.
+#[derive(Clone, Debug, PartialEq)]
+struct Presets(Vec<(String, String)>);
+
+fn parse_presets(text: &str) -> Result<Presets, String> {
+    let Some(path) = text.strip_prefix('@') else {
+        return parse_preset(text).map(|preset| Presets(vec![preset]));
+    };
+    let lines =
+        std::fs::read_to_string(path).map_err(|error| format!("reading {path}: {error}"))?;
+    let mut presets = Vec::new();
+    for (number, line) in (1..).zip(lines.lines()) {
+        let line = line.trim();
+        if !line.is_empty() && !line.starts_with("--") {
+            let preset = parse_preset(line).map_err(|error| format!("{path}:{number}: {error}"))?;
+            presets.push(preset);
+        }
+    }
+    Ok(Presets(presets))
 }
 
 fn parse_preset(text: &str) -> Result<(String, String), String> {

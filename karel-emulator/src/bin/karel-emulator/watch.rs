@@ -116,6 +116,9 @@ fn in_place(picture: &str, (columns, rows): (usize, usize)) -> String {
     text
 }
 
+/// Notes that are shown, the newest.
+const NOTES: u64 = 5;
+
 /// The controller as text.
 pub(crate) fn page(panel: Panel) -> Result<String, LinkError> {
     let state = panel.get("/api/v1/state")?;
@@ -123,7 +126,39 @@ pub(crate) fn page(panel: Panel) -> Result<String, LinkError> {
     let alarms = panel.get("/api/v1/alarms?limit=5")?;
     let faults = panel.get("/api/v1/faults")?;
     let screen = panel.get("/api/v1/screen")?;
-    Ok(picture(&state, &tasks, &alarms, &faults, &screen))
+    let mut text = picture(&state, &tasks, &alarms, &faults, &screen);
+    if let Some(newest) = state["note_seq"].as_u64().filter(|newest| *newest > 0) {
+        let after = newest.saturating_sub(NOTES);
+        let notes = panel.get(&format!("/api/v1/notes?after={after}"))?;
+        note_lines(&mut text, &notes);
+    }
+    hint_lines(&mut text, &state);
+    Ok(text)
+}
+
+/// What a kind controller has said.
+fn note_lines(text: &mut String, notes: &Value) {
+    line(text, "NOTES");
+    for note in list(notes, "notes") {
+        let time = note["time_s"].as_f64().unwrap_or(0.0);
+        let place = match note["program"].as_str() {
+            Some(program) => format!("{program}:{}  ", word(&note["line"])),
+            None => String::new(),
+        };
+        let times = note["times"].as_u64().filter(|times| *times > 1);
+        let times = times.map_or(String::new(), |times| format!("  ({times} times)"));
+        let told = word(&note["text"]);
+        line(text, &format!("  {time:>9.3} s  {place}{told}{times}"));
+    }
+}
+
+/// Why what tasks of a kind controller wait for may take long.
+fn hint_lines(text: &mut String, state: &Value) {
+    for task in list(state, "tasks") {
+        if let Some(hint) = task["hint"].as_str() {
+            line(text, &format!("  {} waits: {hint}", word(&task["name"])));
+        }
+    }
 }
 
 fn picture(state: &Value, tasks: &Value, alarms: &Value, faults: &Value, screen: &Value) -> String {

@@ -9,6 +9,7 @@ mod faults;
 mod frames;
 mod operator;
 mod parts;
+mod profile;
 mod programs;
 mod time;
 mod watch;
@@ -34,6 +35,7 @@ pub use faults::{Cleared, FaultId, FaultList};
 pub use frames::{FrameView, Frames, SelectedFrame};
 pub use operator::{KeyboardBody, OperatorPatch, OperatorView, PowerBody};
 pub use parts::ProblemBody;
+pub use profile::{NoteList, ProfilePatch};
 pub use programs::{CallView, ProgramList, TaskDetail, TaskList};
 pub use time::{StepBody, TimePatch};
 pub use watch::{LedgerList, Screen, SetTrace, TraceList};
@@ -75,6 +77,7 @@ const TAGS: [(&str, &str); 8] = [
 fn documented() -> OpenApiRouter<Visitors> {
     OpenApiRouter::new()
         .merge(watch::routes())
+        .merge(profile::routes())
         .merge(programs::routes())
         .merge(data::routes())
         .merge(frames::routes())

@@ -1,0 +1,9 @@
+//! The observations of the three public drivers, each a module.
+#![allow(dead_code, reason = "the tests use a part of what the command uses")]
+
+pub(crate) mod fanucpy;
+pub(crate) mod mappdk;
+pub(crate) mod rig;
+pub(crate) mod ros;
+pub(crate) mod seed;
+pub(crate) mod table;
