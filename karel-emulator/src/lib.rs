@@ -81,6 +81,7 @@ pub use error::{ControllerStopped, StartError};
 pub use faults::{ControllerOption, FaultBody, FaultError, FaultKind, FaultView};
 pub use gripper::{GripperConfig, Workpieces};
 pub use hardware::operator::OperatingMode;
+pub use hardware::safety::{StopCategory, StopSource};
 pub use labels::PeerLabels;
 pub use ledger::{CommandId, LedgerEntry, LedgerEvent};
 pub use panel::control::openapi_yaml;

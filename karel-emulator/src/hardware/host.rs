@@ -11,7 +11,7 @@ use karel::{
 use super::Hardware;
 use super::arm::only_group;
 use super::operator::OperatingMode;
-use crate::motion::planner::{joint_position, pendant_joints};
+use crate::motion::convert::{joint_position, pendant_joints};
 use crate::sysvars::Reading;
 
 impl Host for Hardware {
@@ -125,8 +125,7 @@ impl Host for Hardware {
 
     fn current_joints(&mut self, task: TaskId, group: i32) -> Result<JointPosition, Status> {
         only_group(group).map_err(|refusal| self.keep_refusal(task, refusal))?;
-        let joints = self.executor.joints(self.now);
-        Ok(joint_position(&joints))
+        Ok(joint_position(&self.reported_joints()))
     }
 
     fn check_joints(&mut self, _task: TaskId, joints: &JointPosition, group: i32) -> Status {
@@ -173,6 +172,10 @@ impl Host for Hardware {
 
     fn motion_ended(&mut self, motion: MotionId) -> Progress<Status> {
         self.outcome(motion)
+    }
+
+    fn motion_rests(&mut self, motion: MotionId) -> Progress<Status> {
+        self.standstill(motion)
     }
 
     fn start_tp_motion(

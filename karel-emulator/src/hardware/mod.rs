@@ -4,9 +4,11 @@
 //! can run with a mutable borrow of it.
 
 mod arm;
+mod arm_notes;
 pub(crate) mod gripping;
 mod host;
 pub(crate) mod operator;
+pub(crate) mod safety;
 mod sockets;
 mod tp;
 
@@ -73,6 +75,8 @@ pub(crate) struct Hardware {
     last_motion: u64,
     /// How the latest motions ended, for tasks that wait for them.
     outcomes: VecDeque<(MotionId, Status)>,
+    /// The newest motion whose program goes on although the arm has not arrived.
+    passed: Option<MotionId>,
     /// Why the arm was stopped last.
     stop_reason: String,
     /// What tasks see that wait for a motion that was stopped.
@@ -174,6 +178,7 @@ impl Hardware {
             last_file: 0,
             last_motion: 0,
             outcomes: VecDeque::new(),
+            passed: None,
             stop_reason: String::new(),
             stop_status: Status::OK,
             origins: BTreeMap::new(),

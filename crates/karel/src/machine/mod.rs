@@ -19,7 +19,11 @@ pub(crate) mod task;
 mod tasks;
 mod timer;
 mod tp;
+mod tp_assign;
+mod tp_calculate;
+mod tp_motion;
 pub(crate) mod tp_value;
+mod tp_wait;
 mod transfer;
 mod variables;
 
@@ -282,6 +286,7 @@ impl Machine {
         };
         if matches!(run, Run::Ended | Run::Aborted(_)) {
             task.handlers.clear();
+            task.tp.monitors.clear();
             self.tasks.broadcast(Signal::Task(TaskVerb::Abort, id));
         }
         task.state = match &run {
