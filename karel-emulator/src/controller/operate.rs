@@ -198,7 +198,8 @@ impl Controller {
         if !on && !was_off {
             let text = "Servo power off".to_owned();
             self.hardware.post(SRVO_NO_POWER, text, Severity::Pause);
-            self.interrupt(Interruption::Error);
+            self.pause_tasks(Interruption::Error);
+            self.hardware.stop_without_power();
         }
     }
 

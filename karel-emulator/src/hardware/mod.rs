@@ -221,6 +221,7 @@ impl Hardware {
         self.operator.hold = false;
         let _nothing_goes_on = self.executor.resume(self.now);
         self.alarms.reset();
+        let _powered = self.power_drives();
         self.screen.clear();
         self.forget_tasks(&[]);
         self.wakes.clear();

@@ -108,6 +108,12 @@ impl Hardware {
         self.follow_motions();
     }
 
+    /// The drives have lost their power: the brakes stop the arm.
+    pub(crate) fn stop_without_power(&mut self) {
+        self.executor.hold(self.now, false, Brake::PowerOff);
+        self.follow_motions();
+    }
+
     /// The drives lose their power as soon as the arm stands still.
     pub(super) fn follow_drives(&mut self) {
         if self.operator.drives == Drives::Stopping && !self.executor.is_moving() {

@@ -21,7 +21,8 @@ pub enum Blend {
 /// ASSUMPTION: `CNTn` begins the next motion when the last n percent of the deceleration are left, so that CNT100
 /// keeps the speed and rounds most. CNT0 nearly stops: one interpolation period is left. The next motion is not
 /// farther then than the end of its own acceleration, and neither way inside of the corner is longer than half of the
-/// shorter leg. Without `after`, what the motion itself allows: from then on the program goes on.
+/// shorter leg. An axis that turns back there gets both accelerations at once, as behind a filter of the commanded
+/// speeds. Without `after`, what the motion itself allows: from then on the program goes on.
 #[must_use]
 pub fn overlap_of_a_corner(percent: f64, before: &Path, after: Option<&Path>) -> f64 {
     let ramp = before.ramp();

@@ -23,6 +23,16 @@ pub(crate) fn position(n: u32, [x, y, z, w, p, r]: [f64; 6]) -> String {
     )
 }
 
+/// `P[n]` in joints.
+pub(crate) fn joints(n: u32, degrees: [f64; 6]) -> String {
+    let axes = degrees.iter().enumerate();
+    let axes: Vec<String> = axes
+        .map(|(n, value)| format!("J{} = {value} deg", n + 1))
+        .collect();
+    let axes = axes.join(", ");
+    format!("P[{n}]{{\n   GP1:\n\tUF : F, UT : F,\n\t{axes}\n}};\n")
+}
+
 /// Three places that make a right angle: `P[1]` to `P[2]` along y, `P[2]` to `P[3]` along z, 200 mm each.
 pub(crate) fn corner() -> String {
     let place = |n, y, z| position(n, [900.0, y, z, 180.0, 0.0, 0.0]);
