@@ -12,6 +12,7 @@ use crate::devices::{FileName, Folder};
 use crate::faults::{ControllerOption, FaultBody};
 use crate::fidelity::{ControllerGeneration, Fidelity};
 use crate::gripper::{GripperConfig, SharedWorkpieces, Workpieces};
+use crate::hardware::safety::StopCategory;
 use crate::ports::PortCounts;
 
 /// A program's source text: KAREL, or the listing of a TP program if the name ends with `.ls`.
@@ -197,6 +198,8 @@ pub struct ControllerConfig {
     pub screen: Option<ScreenSink>,
     /// What random faults are drawn from.
     pub seed: u64,
+    /// How emergency stop buttons stop the arm.
+    pub stop_category: StopCategory,
     /// Bounds.
     pub limits: Limits,
 }
@@ -235,6 +238,7 @@ impl ControllerConfig {
             trace: false,
             screen: None,
             seed: 0,
+            stop_category: StopCategory::default(),
             limits: Limits::default(),
         }
     }

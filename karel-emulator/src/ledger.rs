@@ -102,6 +102,8 @@ pub enum LedgerEvent {
     Started,
     /// The arm stands still at the target.
     Finished,
+    /// The arm has gone around the corner at the target without standing still; the next motion has taken over.
+    Passed,
     /// The controller did not accept the motion; `alarm` says why. The arm did not move for it.
     Refused,
     /// The motion was stopped on its way, or dropped before it began.
@@ -156,7 +158,8 @@ pub struct LedgerEntry {
     pub kind: MotionKind,
     /// Where the motion starts.
     pub from_deg: JointsDeg,
-    /// Where it ends: the target, or where the arm came to rest if it was cancelled. `None` if there is no such place.
+    /// Where it ends: the target, or where the arm came to rest if it was cancelled, or was behind a rounded corner.
+    /// `None` if there is no such place.
     pub to_deg: Option<JointsDeg>,
     /// The target as commanded, in the user frame, for the tool.
     pub target_pose: PoseMmDeg,

@@ -83,6 +83,7 @@ pub use faults::{ControllerOption, FaultBody, FaultError, FaultKind, FaultView};
 pub use fidelity::{ControllerGeneration, Fidelity, Note, Profile};
 pub use gripper::{GripperConfig, Workpieces};
 pub use hardware::operator::OperatingMode;
+pub use hardware::safety::{StopCategory, StopSource};
 pub use labels::PeerLabels;
 pub use ledger::{CommandId, LedgerEntry, LedgerEvent};
 pub use panel::control::openapi_yaml;

@@ -37,6 +37,7 @@ pub(super) async fn violations(
                 ArmEvent::Lost => "a part fell out of the gripper".to_owned(),
                 ArmEvent::Started
                 | ArmEvent::Finished
+                | ArmEvent::Passed
                 | ArmEvent::Cancelled
                 | ArmEvent::Held
                 | ArmEvent::Resumed

@@ -175,6 +175,10 @@ pub enum TpSpeed {
     Percent(f32),
     /// Of the tool center point.
     MmPerSec(f32),
+    /// Of the change of the tool's orientation.
+    DegPerSec(f32),
+    /// From the start to the end.
+    Seconds(f32),
 }
 
 /// A motion instruction of a TP program.
@@ -188,6 +192,12 @@ pub struct TpMotion {
     pub target: TpTarget,
     /// How fast.
     pub speed: TpSpeed,
+    /// `CNT`: how much the corner at the target may be rounded, 0 to 100; `None` is `FINE`.
+    pub rounding_percent: Option<f32>,
+    /// `INC`: the target counts from where the motion starts, component by component.
+    pub incremental: bool,
+    /// `Wjnt`: the last three axes go as in a joint motion, the first three keep the tool on its way.
+    pub wrist_joint: bool,
     /// Of the usual acceleration; above 0.
     pub acceleration_percent: f32,
     /// Program of the instruction, upper case.
@@ -442,6 +452,12 @@ pub trait Host {
     /// How long a motion that runs takes from now on; `None` if nobody knows.
     fn motion_left(&self, _motion: MotionId) -> Option<Duration> {
         None
+    }
+
+    /// Status 0 when the motion is over for good: at a standstill, or another motion has taken over
+    /// behind a rounded corner. A host whose motions all end at a standstill keeps this answer.
+    fn motion_rests(&mut self, motion: MotionId) -> Progress<Status> {
+        self.motion_ended(motion)
     }
 
     /// `CANCEL`: the arm brakes, whoever moves it. A MOVE that waits for it goes on as if it had

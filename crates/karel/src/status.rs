@@ -44,6 +44,10 @@ impl Status {
     /// MEMO-073: the program does not exist.
     pub const MEMO_NO_PROGRAM: Status = Status(7073);
 
+    /// INTP-213: an alarm of a user, `UALM`.
+    ///
+    /// ASSUMPTION: the number is from memory of error lists.
+    pub const INTP_USER_ALARM: Status = Status(12213);
     /// INTP-252: a taught position is for another frame or tool than the active one.
     ///
     /// ASSUMPTION: the number is from memory of error lists.

@@ -32,12 +32,14 @@ impl Row {
 
 #[rustfmt::skip]
 const TABLE: &[(&str, Row)] = &[
+    ("$DEFPULSE", Row::Integer),
     ("$DMAURST", Row::Boolean),
     ("$FAST_CLOCK", Row::Integer),
     ("$GROUP[#].$MOTYPE", Row::Integer),
     ("$GROUP[#].$ORIENT_TYPE", Row::Integer),
     ("$GROUP[#].$ROTSPEED", Row::Real),
     ("$GROUP[#].$SPEED", Row::Real),
+    ("$GROUP[#].$SPEEDLIM", Row::Real),
     ("$GROUP[#].$TERMTYPE", Row::Integer),
     ("$GROUP[#].$UFRAME", Row::Position),
     ("$GROUP[#].$UTOOL", Row::Position),
@@ -74,9 +76,12 @@ const TABLE: &[(&str, Row)] = &[
     ("$SCAN_TIME", Row::Integer),
     ("$SCR_GRP[#].$SV_CODE_ID", Row::Text),
     ("$SPEED", Row::Real),
+    ("$SPEEDLIM", Row::Real),
     ("$TERMTYPE", Row::Integer),
+    ("$UALRM_MSG[#]", Row::Text),
     ("$UFRAME", Row::Position),
     ("$UTOOL", Row::Position),
+    ("$WAITTMOUT", Row::Integer),
 ];
 
 /// Type of the system variable with this pattern (`$MNUFRAME[#,#]`), if it is known.

@@ -15,6 +15,7 @@ mod power;
 mod programs;
 mod snapshot;
 mod steps;
+mod stops;
 mod values;
 
 pub use data::{ItemKind, PortSet, SYSTEM, kind_of};
@@ -38,6 +39,7 @@ use crate::effects::{ConnectionId, Effect, Event};
 use crate::error::StartError;
 use crate::faults::{Passed, Wire};
 use crate::hardware::Hardware;
+use crate::hardware::safety::StopCategory;
 use crate::ledger::LedgerEntry;
 use crate::ports::SetInputError;
 
@@ -84,6 +86,8 @@ pub struct Controller {
     trace: Trace,
     /// The STEP key.
     single_step: bool,
+    /// How emergency stop buttons stop the arm.
+    stop_category: StopCategory,
 }
 
 #[derive(Debug)]
@@ -156,6 +160,7 @@ impl Controller {
             released: Vec::new(),
             trace: Trace::default(),
             single_step: false,
+            stop_category: config.stop_category,
         };
         for name in run {
             let _task = controller
@@ -216,7 +221,7 @@ impl Controller {
         match self.next_wake() {
             Some(wake) if wake <= until => {
                 self.hardware.now = self.hardware.now.max(wake);
-                self.hardware.end_motions();
+                self.hardware.follow_motions();
                 self.hardware.end_gripping();
                 self.machine.follow(&mut self.hardware);
                 self.end_faults();
@@ -252,7 +257,7 @@ impl Controller {
         tasks
             .chain(looks)
             .chain(self.machine.next_due())
-            .chain(self.hardware.executor.next_end())
+            .chain(self.hardware.executor.next_due())
             .chain(self.hardware.gripper_arrives())
             .chain(self.wire.next_due())
             .chain(self.faults.next_end())

@@ -6,9 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{Controller, Phase};
 use crate::alarms::Severity;
-use crate::hardware::operator::{
-    OperatingMode, SRVO_EMERGENCY_STOP, SRVO_NO_POWER, SRVO_PENDANT, SYST_MODE,
-};
+use crate::hardware::operator::{OperatingMode, SRVO_NO_POWER, SRVO_PENDANT, SYST_MODE};
+use crate::hardware::safety::StopSource;
 use crate::hardware::wrist::KEYBOARD_BYTES;
 use crate::ledger::JointsDeg;
 
@@ -22,6 +21,15 @@ pub enum Operation {
     SetPendant(bool),
     /// The emergency stop button: pressed, or released. After the release, a RESET is due.
     EmergencyStop(bool),
+    /// Another emergency stop than that of the operator panel, or the fence: pressed or open, or not.
+    SafetyStop {
+        /// Which one.
+        source: StopSource,
+        /// Whether it stops.
+        active: bool,
+    },
+    /// The enabling switch of the pendant: held, or released. In T1 and T2 programs move the arm while it is held.
+    SetDeadman(bool),
     /// HOLD: tasks pause, the arm brakes on its path and waits, and so does whatever is started later.
     Hold,
     /// CYCLE START: what is paused goes on from where it is.
@@ -137,7 +145,9 @@ impl Controller {
         match operation {
             Operation::SetMode(mode) => self.set_mode(mode),
             Operation::SetPendant(enabled) => self.set_pendant(enabled),
-            Operation::EmergencyStop(pressed) => self.emergency_stop(pressed),
+            Operation::EmergencyStop(pressed) => self.safety_stop(StopSource::Panel, pressed),
+            Operation::SafetyStop { source, active } => self.safety_stop(source, active),
+            Operation::SetDeadman(held) => self.set_deadman(held),
             Operation::Hold => {
                 self.hardware.operator.hold = true;
                 self.pause_tasks(Interruption::Command);
@@ -212,29 +222,20 @@ impl Controller {
         }
     }
 
-    fn emergency_stop(&mut self, pressed: bool) {
-        let before = std::mem::replace(&mut self.hardware.operator.emergency_stop, pressed);
-        if pressed && !before {
-            let text = "Operator panel E-stop".to_owned();
-            self.hardware
-                .post(SRVO_EMERGENCY_STOP, text, Severity::Pause);
-            self.interrupt(Interruption::Error);
-        }
-    }
-
     pub(super) fn set_servo_power(&mut self, on: bool) {
         let was_off = std::mem::replace(&mut self.hardware.operator.servo_off, !on);
         if !on && !was_off {
             let text = "Servo power off".to_owned();
             self.hardware.post(SRVO_NO_POWER, text, Severity::Pause);
-            self.interrupt(Interruption::Error);
+            self.pause_tasks(Interruption::Error);
+            self.hardware.stop_without_power();
         }
     }
 
-    /// RESET: no alarm is active any more, unless the emergency stop is still pressed or the servos have no power.
+    /// RESET: no alarm is active any more and the drives get power, unless the emergency stop is still pressed or the
+    /// servos have no power.
     pub fn reset(&mut self) {
-        let operator = self.hardware.operator;
-        if !operator.emergency_stop && !operator.servo_off {
+        if self.hardware.power_drives() {
             self.hardware.alarms.reset();
         }
     }
@@ -306,7 +307,7 @@ impl Controller {
         if !self.hardware.operator.pendant {
             return cannot("the teach pendant is not enabled");
         }
-        if self.hardware.operator.emergency_stop {
+        if self.hardware.operator.stops != 0 {
             return cannot("the emergency stop is pressed");
         }
         let joints = PendantJoints::try_from_degrees(joints.into());
@@ -329,7 +330,7 @@ impl Controller {
         self.hardware.hold_arm(false);
     }
 
-    fn pause_tasks(&mut self, by: Interruption) {
+    pub(super) fn pause_tasks(&mut self, by: Interruption) {
         let ids: Vec<_> = self.machine.tasks().collect();
         for id in ids {
             let pausable = self.machine.root_program(id);

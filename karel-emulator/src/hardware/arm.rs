@@ -1,15 +1,19 @@
 //! The arm: motions in, ledger entries out.
 
-use karel::{MotionId, MotionPath, MotionRequest, Progress, Status, TaskId, TpTarget, Value, Wait};
-use kinematics::PendantJoints;
-use units::MmPerSec;
+use std::time::Duration;
 
-use super::operator::Operator;
-use super::{Hardware, MotionTag, Wake};
-use crate::ledger::{LedgerEntry, LedgerEvent, MotionKind, seconds};
-use crate::motion::planner::{pendant_joints, pose_mm_deg, pose_of_target};
-use crate::motion::{Added, Motion, MotionEnd, Outcome, Path, Refusal};
-use crate::sysvars::codes::motype;
+use karel::{
+    MotionId, MotionPath, MotionRequest, Position, Progress, Status, TaskId, TpTarget, Value, Wait,
+};
+use kinematics::PendantJoints;
+
+use super::{Hardware, MotionTag};
+use crate::ledger::LedgerEvent;
+use crate::motion::convert::{pendant_joints, pose_of_target};
+use crate::motion::linear::INTP_SPEED;
+use crate::motion::path::SPEED_LIMIT;
+use crate::motion::{Added, Brake, Happening, Motion, Pace, Path, Refusal, ToolSpeed, corner};
+use crate::sysvars::codes::{motype, termtype};
 
 /// MOTN-999: this controller does not simulate what the program asks for. A number of our own.
 const MOTN_NOT_SIMULATED: Status = Status::new(15, 999);
@@ -22,11 +26,11 @@ const MOTN_VIA: Status = Status::new(15, 54);
 /// MOTN-998: the motion was cancelled. A number of our own.
 const MOTN_CANCELLED: Status = Status::new(15, 998);
 
+/// How old the position is that programs see, at most.
+const FEEDBACK_PERIOD: Duration = Duration::from_millis(8);
+
 /// The motion group of the arm; there is no other.
 const GROUP: i32 = 1;
-
-/// How many ended motions are remembered for tasks that wait for them: more than can be queued.
-const REMEMBERED_OUTCOMES: usize = 16;
 
 impl Hardware {
     /// Queues a motion, or says what to wait for, or refuses it.
@@ -56,8 +60,13 @@ impl Hardware {
             .may_move()
             .and_then(|()| only_group(request.group))
             .and_then(|()| speed.map_err(|status| Refusal::new(status, "$SPEED has no value")))
-            .and_then(|speed| self.karel_path(request, speed));
-        Progress::Ready(self.take_planned(task, &tag, planned))
+            .and_then(|speed| {
+                let (frame, tool) = self.frames()?;
+                let path = self.karel_path(request, speed, (frame, tool))?;
+                Ok(self.at_speed_of_mode(path, &tool))
+            });
+        let rounding = rounding_of(self.variables.integer("$TERMTYPE"));
+        Progress::Ready(self.take_planned(task, &tag, planned, rounding))
     }
 
     /// Queues a motion for which there is room, or refuses it.
@@ -66,9 +75,10 @@ impl Hardware {
         task: TaskId,
         tag: &MotionTag,
         planned: Result<Path, Refusal>,
+        rounding: Option<f64>,
     ) -> Result<MotionId, Status> {
         match planned {
-            Ok(path) => Ok(self.enqueue(tag, path)),
+            Ok(path) => Ok(self.enqueue(tag, path, rounding)),
             Err(refusal) => {
                 let status = refusal.status;
                 self.refuse(tag, &refusal);
@@ -78,8 +88,16 @@ impl Hardware {
         }
     }
 
-    /// Whether, and how, a motion has ended.
+    /// Whether, and how, a motion has met its termination criterion: at a corner that may be rounded, before its end.
     pub(super) fn outcome(&self, motion: MotionId) -> Progress<Status> {
+        match self.standstill(motion) {
+            Progress::Pending(_) if self.passed == Some(motion) => Progress::Ready(Status::OK),
+            other @ (Progress::Pending(_) | Progress::Ready(_)) => other,
+        }
+    }
+
+    /// Whether, and how, a motion has ended for good: the arm stands still, or another motion has taken over.
+    pub(super) fn standstill(&self, motion: MotionId) -> Progress<Status> {
         let ended = self.outcomes.iter().find(|(id, _)| *id == motion);
         ended.map_or(Progress::Pending(Wait::Motion(motion)), |(_, status)| {
             Progress::Ready(*status)
@@ -92,7 +110,7 @@ impl Hardware {
         task: TaskId,
         group: i32,
     ) -> Result<karel::XyzwprExt, Status> {
-        let joints = self.executor.joints(self.now);
+        let joints = self.reported_joints();
         let position = only_group(group).and_then(|()| {
             let (frame, tool) = self.frames()?;
             self.planner.position(&joints, &frame, &tool)
@@ -117,16 +135,29 @@ impl Hardware {
         Ok((frame("$UFRAME")?, frame("$UTOOL")?))
     }
 
-    /// Ends the motions whose time has come.
-    pub(crate) fn end_motions(&mut self) {
-        self.note_holds();
-        while let Some((end, started)) = self.executor.end_due(self.now) {
-            let started = started.cloned();
-            self.note_end(&end);
-            if let Some(tag) = started {
-                self.note_start(&tag);
+    /// Notes what has become of the motions up to now.
+    pub(crate) fn follow_motions(&mut self) {
+        while let Some(happening) = self.executor.due(self.now) {
+            match happening {
+                Happening::Started(tag) => self.note_start(&tag),
+                Happening::Passes(tag) => self.note_pass(&tag),
+                Happening::Held(tag) => self.note_pause(LedgerEvent::Held, &tag),
+                Happening::Ended(end) => self.note_end(&end),
             }
         }
+        self.follow_drives();
+    }
+
+    /// Where programs see the arm.
+    ///
+    /// ASSUMPTION: while it moves, where it was at the last interpolation period.
+    pub(super) fn reported_joints(&self) -> PendantJoints {
+        let mut at = self.now;
+        if self.executor.is_moving() {
+            let into = at.as_nanos() % FEEDBACK_PERIOD.as_nanos();
+            at -= Duration::from_nanos(u64::try_from(into).unwrap_or(0));
+        }
+        self.executor.joints(at)
     }
 
     /// The task ended with an error: the arm brakes if it moves for that task.
@@ -142,7 +173,7 @@ impl Hardware {
         }
     }
 
-    /// Brakes the running motion and drops the pending one.
+    /// Brakes what moves and drops the pending motion.
     pub(crate) fn stop_arm(&mut self, reason: &str) {
         self.brake(reason, MOTN_CANCELLED);
     }
@@ -151,7 +182,7 @@ impl Hardware {
     pub(super) fn brake(&mut self, reason: &str, status: Status) {
         reason.clone_into(&mut self.stop_reason);
         self.stop_status = status;
-        if let Some(dropped) = self.executor.stop(self.now) {
+        if let Some(dropped) = self.executor.stop(self.now, Brake::Controlled) {
             self.note_end(&dropped);
         }
     }
@@ -170,13 +201,17 @@ impl Hardware {
     }
 
     /// The way of a MOVE, as `$MOTYPE` says.
-    fn karel_path(&self, request: &MotionRequest, speed: f64) -> Result<Path, Refusal> {
-        let (frame, tool) = self.frames()?;
+    fn karel_path(
+        &self,
+        request: &MotionRequest,
+        speed: f64,
+        (frame, tool): (Position, Position),
+    ) -> Result<Path, Refusal> {
         let from = self.executor.tail();
         if let Some(joints) = &request.joints {
             self.planner.within_limits(joints)?;
             let to = pendant_joints(joints)?;
-            return Ok(Path::joint(self.planner.model(), from, to, MmPerSec(speed)));
+            return self.joint_path(from, to, speed);
         }
         let motype = match request.path {
             MotionPath::Straight => Ok(motype::LINEAR),
@@ -184,11 +219,20 @@ impl Hardware {
         };
         let motype = motype.map_err(|status| Refusal::new(status, "$MOTYPE has no value"))?;
         let target = TpTarget::Cartesian(request.target);
-        let (frames, speeds) = ((&frame, &tool), (speed, 1.0));
+        let rotation_deg_s = self
+            .variables
+            .real("$ROTSPEED")
+            .map_or(f64::INFINITY, f64::from);
+        let pace = Pace {
+            speed: ToolSpeed::MmPerSec(speed),
+            rotation_deg_s,
+            acceleration: 1.0,
+        };
+        let (frames, pace) = ((&frame, &tool), (&pace, false));
         match (motype, request.via) {
             (motype::CIRCULAR, Some(via)) => {
                 let via = TpTarget::Cartesian(via);
-                self.planner.circular(from, (&via, &target), frames, speeds)
+                self.planner.circular(from, (&via, &target), frames, pace)
             }
             (motype::CIRCULAR, None) => {
                 let text = "A MOVE with $MOTYPE = CIRCULAR needs a VIA";
@@ -200,10 +244,9 @@ impl Hardware {
             }
             (motype::JOINT, None) => {
                 let to = self.planner.joints(&request.target, &frame, &tool)?;
-                let model = self.planner.model();
-                Ok(Path::joint(model, from, to, MmPerSec(speed)))
+                self.joint_path(from, to, speed)
             }
-            (motype::LINEAR, None) => self.planner.linear(from, &target, frames, speeds),
+            (motype::LINEAR, None) => self.planner.linear(from, &target, frames, pace),
             (other, _) => {
                 let text = format!("$MOTYPE = {other} is no motion type");
                 Err(Refusal::new(MOTN_NOT_SIMULATED, text))
@@ -211,15 +254,36 @@ impl Hardware {
         }
     }
 
-    fn enqueue(&mut self, tag: &MotionTag, path: Path) -> MotionId {
+    /// All axes together, at `$SPEED` of `$SPEEDLIM`.
+    fn joint_path(
+        &self,
+        from: PendantJoints,
+        to: PendantJoints,
+        speed: f64,
+    ) -> Result<Path, Refusal> {
+        let limit = self
+            .variables
+            .real("$SPEEDLIM")
+            .map_or(SPEED_LIMIT.0, f64::from);
+        if speed > limit {
+            let text = format!("$SPEED is {speed}, $SPEEDLIM is {limit}");
+            return Err(Refusal::new(INTP_SPEED, text));
+        }
+        let model = self.planner.model();
+        Ok(Path::joint_at(model, from, to, speed / limit, 1.0))
+    }
+
+    fn enqueue(&mut self, tag: &MotionTag, path: Path, rounding: Option<f64>) -> MotionId {
         let id = tag.id;
-        match self.executor.add(
-            self.now,
-            Motion {
-                path,
-                tag: tag.clone(),
-            },
-        ) {
+        let motion = Motion {
+            path,
+            rounding,
+            tag: tag.clone(),
+        };
+        let model = self.planner.model();
+        let round =
+            |before: &Path, after: &Path, overlap| corner::plan(model, before, after, overlap);
+        match self.executor.add(self.now, motion, round) {
             Added::Started => self.note_start(tag),
             // `queue_motion` has looked for room.
             Added::Waits | Added::NoRoom => {}
@@ -227,147 +291,17 @@ impl Hardware {
         id
     }
 
-    fn note_start(&mut self, tag: &MotionTag) {
-        let rate = f64::from(self.override_percent) / 100.0;
-        let Some(path) = self.executor.current().map(|motion| motion.path.clone()) else {
-            return;
-        };
-        let mut entry = self.entry(LedgerEvent::Started, tag, path.from());
-        entry.to_deg = Some(path.to().degrees().into());
-        let duration_s = (rate > 0.0).then(|| to_micros(path.duration() / rate));
-        entry.duration_s = duration_s;
-        tracing::info!(
-            controller = %self.name,
-            motion = tag.id.0,
-            request_id = tag.origin.request_id.as_deref(),
-            peer = tag.origin.peer.map(tracing::field::display),
-            speed_mm_s = tag.speed_mm_s,
-            override_percent = self.override_percent,
-            duration_s,
-            "The arm starts motion {} to {}.",
-            tag.id.0, tag.target,
-        );
-        self.ledger.push(entry);
-        // The queue has moved up, or the motion went past it.
-        self.wakes.push(Wake::MotionQueue);
-    }
-
-    fn note_end(&mut self, end: &MotionEnd<MotionTag>) {
-        let tag = &end.motion.tag;
-        let (event, status, word) = match end.outcome {
-            Outcome::Finished => (LedgerEvent::Finished, Status::OK, "finished"),
-            Outcome::Cancelled => (LedgerEvent::Cancelled, self.stop_status, "was stopped in"),
-        };
-        let mut entry = self.entry(event, tag, end.motion.path.from());
-        entry.time_s = seconds(end.at);
-        entry.to_deg = Some(end.joints.degrees().into());
-        entry.duration_s = end
-            .started
-            .map(|started| seconds(end.at.saturating_sub(started)));
-        if end.outcome == Outcome::Cancelled {
-            entry.alarm = Some(self.stop_reason.clone());
-        }
-        tracing::info!(
-            controller = %self.name,
-            motion = tag.id.0,
-            request_id = tag.origin.request_id.as_deref(),
-            "The arm {word} motion {}.", tag.id.0,
-        );
-        self.ledger.push(entry);
-        if self.outcomes.len() >= REMEMBERED_OUTCOMES {
-            let _oldest = self.outcomes.pop_front();
-        }
-        self.outcomes.push_back((tag.id, status));
-        self.wakes.extend([Wake::Motion(tag.id), Wake::MotionQueue]);
-    }
-
-    fn refuse(&mut self, tag: &MotionTag, refusal: &Refusal) {
-        let mut entry = self.entry(LedgerEvent::Refused, tag, &self.executor.tail());
-        entry.alarm = Some(refusal.headline());
-        self.ledger.push(entry);
-    }
-
-    pub(super) fn entry(
-        &self,
-        event: LedgerEvent,
-        tag: &MotionTag,
-        from: &PendantJoints,
-    ) -> LedgerEntry {
-        LedgerEntry {
-            seq: 0,
-            time_s: seconds(self.now),
-            event,
-            motion: tag.id.0,
-            kind: tag.kind,
-            from_deg: from.degrees().into(),
-            to_deg: None,
-            target_pose: tag.target,
-            speed_mm_s: tag.speed_mm_s,
-            speed_percent: tag.speed_percent,
-            command: tag.command,
-            part: None,
-            override_percent: self.override_percent,
-            program: tag.program.to_string(),
-            line: tag.line,
-            peer: tag.origin.peer,
-            request_id: tag.origin.request_id.clone(),
-            alarm: None,
-            duration_s: None,
-        }
-    }
-
-    /// As `$MOTYPE` says, unless the statement says it.
-    fn kind(&self, request: &MotionRequest) -> MotionKind {
-        if request.joints.is_some() {
-            return MotionKind::Joint;
-        }
-        if request.path == MotionPath::Straight {
-            return MotionKind::Linear;
-        }
-        match self.variables.integer("$MOTYPE") {
-            Ok(motype::LINEAR) => MotionKind::Linear,
-            Ok(motype::CIRCULAR) => MotionKind::Circular,
-            Ok(_) | Err(_) => MotionKind::Joint,
-        }
-    }
-
-    /// A person moved the arm with the pendant.
-    pub(super) fn note_jog(&mut self, from: &PendantJoints, to: &PendantJoints) {
-        let tag = MotionTag {
-            id: MotionId(0),
-            task: TaskId(0),
-            kind: MotionKind::Joint,
-            target: pose_mm_deg(&self.planner.tcp_in_world(to, &karel::Position::default())),
-            speed_mm_s: 0.0,
-            speed_percent: None,
-            command: None,
-            program: "".into(),
-            line: 0,
-            origin: super::Origin::default(),
-        };
-        let mut entry = self.entry(LedgerEvent::Jogged, &tag, from);
-        entry.to_deg = Some(to.degrees().into());
-        self.ledger.push(entry);
-    }
-
     /// The operator holds the arm: it brakes on its path, and what is added waits.
     pub(crate) fn hold_arm(&mut self, frozen: bool) {
-        self.executor.hold(self.now, frozen);
-        self.note_holds();
+        self.executor.hold(self.now, frozen, Brake::Controlled);
+        self.follow_motions();
     }
 
     pub(super) fn live(&self, live: crate::sysvars::Live) -> Value {
         match live {
             crate::sysvars::Live::RobotMoves => Value::Boolean(self.executor.is_moving()),
             crate::sysvars::Live::SafetyStatus => Value::Integer(self.safety_status()),
-            crate::sysvars::Live::ServoReady => {
-                let Operator {
-                    emergency_stop,
-                    servo_off,
-                    ..
-                } = self.operator;
-                Value::Boolean(!emergency_stop && !servo_off)
-            }
+            crate::sysvars::Live::ServoReady => Value::Boolean(self.drives_powered()),
             crate::sysvars::Live::FastClock => {
                 let wrapped = self.now.as_millis() % (1 << 31);
                 Value::Integer(i32::try_from(wrapped).unwrap_or(0))
@@ -386,6 +320,14 @@ pub(super) fn only_group(group: i32) -> Result<(), Refusal> {
     }
 }
 
-fn to_micros(seconds: f64) -> f64 {
-    (seconds * 1e6).round() / 1e6
+/// How much the corner behind a MOVE is rounded, as `$TERMTYPE` says.
+///
+/// ASSUMPTION: NODECEL as CNT100, VARDECEL as CNT50; FINE, COARSE and NOSETTLE end at a standstill, which takes no
+/// time to settle here.
+fn rounding_of(termtype: Result<i32, Status>) -> Option<f64> {
+    match termtype {
+        Ok(termtype::NODECEL) => Some(100.0),
+        Ok(termtype::VARDECEL) => Some(50.0),
+        Ok(_) | Err(_) => None,
+    }
 }

@@ -191,7 +191,7 @@ impl Hardware {
             id: karel::MotionId(0),
             task: karel::TaskId(0),
             kind: MotionKind::Joint,
-            target: crate::motion::planner::pose_mm_deg(tcp),
+            target: crate::motion::convert::pose_mm_deg(tcp),
             speed_mm_s: 0.0,
             speed_percent: None,
             command: None,

@@ -11,8 +11,8 @@ use karel::{
 use super::Hardware;
 use super::arm::only_group;
 use super::operator::OperatingMode;
+use crate::motion::convert::{joint_position, pendant_joints};
 use crate::motion::path::INTERPOLATION_PERIOD_S;
-use crate::motion::planner::{joint_position, pendant_joints};
 use crate::ports::SetInputError;
 use crate::sysvars::Reading;
 
@@ -167,8 +167,7 @@ impl Host for Hardware {
 
     fn current_joints(&mut self, task: TaskId, group: i32) -> Result<JointPosition, Status> {
         only_group(group).map_err(|refusal| self.keep_refusal(task, refusal))?;
-        let joints = self.executor.joints(self.now);
-        Ok(joint_position(&joints))
+        Ok(joint_position(&self.reported_joints()))
     }
 
     fn check_joints(&mut self, _task: TaskId, joints: &JointPosition, group: i32) -> Status {
@@ -219,8 +218,12 @@ impl Host for Hardware {
 
     fn motion_left(&self, motion: MotionId) -> Option<Duration> {
         let running = self.executor.current()?.tag.id == motion;
-        let end = self.executor.next_end().filter(|_| running)?;
+        let end = self.executor.next_due().filter(|_| running)?;
         Some(end.saturating_sub(self.now))
+    }
+
+    fn motion_rests(&mut self, motion: MotionId) -> Progress<Status> {
+        self.standstill(motion)
     }
 
     fn start_tp_motion(

@@ -4,10 +4,12 @@
 //! can run with a mutable borrow of it.
 
 mod arm;
+mod arm_notes;
 mod explain;
 pub(crate) mod gripping;
 mod host;
 pub(crate) mod operator;
+pub(crate) mod safety;
 mod sockets;
 mod tp;
 pub(crate) mod wrist;
@@ -81,6 +83,8 @@ pub(crate) struct Hardware {
     last_motion: u64,
     /// How the latest motions ended, for tasks that wait for them.
     outcomes: VecDeque<(MotionId, Status)>,
+    /// The newest motion whose program goes on although the arm has not arrived.
+    passed: Option<MotionId>,
     /// Why the arm was stopped last.
     stop_reason: String,
     /// What tasks see that wait for a motion that was stopped.
@@ -186,6 +190,7 @@ impl Hardware {
             last_file: 0,
             last_motion: 0,
             outcomes: VecDeque::new(),
+            passed: None,
             stop_reason: String::new(),
             stop_status: Status::OK,
             origins: BTreeMap::new(),
@@ -228,6 +233,7 @@ impl Hardware {
         self.operator.hold = false;
         let _nothing_goes_on = self.executor.resume(self.now);
         self.alarms.reset();
+        let _powered = self.power_drives();
         self.screen.clear();
         self.keyboard.clear();
         self.forget_tasks(&[]);

@@ -4,6 +4,7 @@ use karel::{AlarmView, Port, PortValue, Status};
 use serde::{Deserialize, Serialize};
 
 use super::Hardware;
+use super::safety::Drives;
 use crate::alarms::Severity;
 use crate::motion::Refusal;
 
@@ -39,7 +40,11 @@ impl std::fmt::Display for OperatingMode {
 pub(crate) struct Operator {
     pub(crate) mode: OperatingMode,
     pub(crate) pendant: bool,
-    pub(crate) emergency_stop: bool,
+    /// The enabling switch of the pendant is held.
+    pub(crate) deadman: bool,
+    /// Emergency stops that are pressed, as bits of `$MOR.$SAFETY_STAT`.
+    pub(crate) stops: i32,
+    pub(crate) drives: Drives,
     pub(crate) hold: bool,
     /// The servos have no power.
     pub(crate) servo_off: bool,
@@ -55,10 +60,6 @@ pub(crate) const SRVO_PENDANT: Status = Status::new(11, 3);
 pub(crate) const SRVO_NO_POWER: Status = Status::new(11, 998);
 /// SYST-040: the mode was changed, or does not permit a motion.
 pub(crate) const SYST_MODE: Status = Status::new(24, 40);
-
-/// Bits of `$MOR.$SAFETY_STAT`.
-const SAFETY_EMERGENCY_STOP: i32 = 1;
-const SAFETY_PENDANT: i32 = 512;
 
 /// Lamps of the operator panel, as indices of `OPOUT`.
 ///
@@ -84,28 +85,28 @@ const LAST_PANEL_PORT: i32 = 15;
 
 impl Hardware {
     /// Whether a motion may start; a motion that is held by HOLD may, and waits.
+    ///
+    /// ASSUMPTION: in T1 and T2 a program moves the arm while somebody holds the enabling switch of the enabled
+    /// pendant.
     pub(crate) fn may_move(&self) -> Result<(), Refusal> {
-        let Operator {
-            mode,
-            pendant,
-            emergency_stop,
-            ..
-        } = self.operator;
-        if emergency_stop {
+        let operator = self.operator;
+        if operator.stops != 0 {
             let text = "The emergency stop is pressed";
             return Err(Refusal::new(SRVO_EMERGENCY_STOP, text));
         }
-        if self.operator.servo_off {
+        if !self.drives_powered() || operator.drives != Drives::On {
             return Err(Refusal::new(SRVO_NO_POWER, "The servos have no power"));
         }
-        if pendant {
-            return Err(Refusal::new(SRVO_PENDANT, "The teach pendant is enabled"));
+        let mode = operator.mode;
+        match (operator.pendant, mode) {
+            (false, OperatingMode::Auto) => Ok(()),
+            (true, OperatingMode::T1 | OperatingMode::T2) if operator.deadman => Ok(()),
+            (true, _) => Err(Refusal::new(SRVO_PENDANT, "The teach pendant is enabled")),
+            (false, _) => {
+                let text = format!("The mode is {mode}, a program moves the arm in AUTO only");
+                Err(Refusal::new(SYST_MODE, text))
+            }
         }
-        if mode != OperatingMode::Auto {
-            let text = format!("The mode is {mode}, a program moves the arm in AUTO only");
-            return Err(Refusal::new(SYST_MODE, text));
-        }
-        Ok(())
     }
 
     /// Why tasks cannot go on now.
@@ -133,18 +134,6 @@ impl Hardware {
         }
         self.note_jog(&from, &joints);
         true
-    }
-
-    /// `$MOR.$SAFETY_STAT`.
-    pub(super) fn safety_status(&self) -> i32 {
-        let mut status = 0;
-        if self.operator.emergency_stop {
-            status |= SAFETY_EMERGENCY_STOP;
-        }
-        if self.operator.pendant {
-            status |= SAFETY_PENDANT;
-        }
-        status
     }
 
     /// A key or a lamp of the operator panel.

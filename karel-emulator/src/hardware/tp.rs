@@ -4,22 +4,19 @@ use karel::{
     Interpolation, MotionId, Number, Position, Progress, Registers, Status, TaskId, TpMotion,
     TpSpeed, TpTarget, Wait,
 };
+use kinematics::PendantJoints;
 
 use super::{Hardware, MotionTag};
 use crate::ledger::{CommandId, LedgerEvent, MotionKind, PoseMmDeg};
+use crate::motion::convert::{joint_position, pendant_joints, pose_of_target};
+use crate::motion::linear::INTP_SPEED;
 use crate::motion::path::SPEED_LIMIT;
-use crate::motion::planner::{pendant_joints, pose_of_target};
-use crate::motion::{Path, Refusal};
+use crate::motion::{Pace, Path, Refusal, ToolSpeed};
 
 /// PROG-040: another task moves the motion group.
 ///
 /// ASSUMPTION: the number is from memory of error lists.
 const PROG_LOCKED: Status = Status::new(3, 40);
-/// INTP-215: a speed that cannot be.
-///
-/// ASSUMPTION: the number is ours.
-const INTP_SPEED: Status = Status::new(12, 215);
-
 impl Hardware {
     /// Queues a motion of a TP program, or says what to wait for, or refuses it.
     pub(super) fn queue_tp_motion(
@@ -49,7 +46,8 @@ impl Hardware {
             .may_move()
             .and_then(|()| self.group_is_free(task))
             .and_then(|()| self.tp_path(motion));
-        Progress::Ready(self.take_planned(task, &tag, planned))
+        let rounding = motion.rounding_percent.map(f64::from);
+        Progress::Ready(self.take_planned(task, &tag, planned, rounding))
     }
 
     /// Pauses what a task moves; the arm brakes on its path.
@@ -59,8 +57,7 @@ impl Hardware {
             .current()
             .is_some_and(|motion| motion.tag.task == task);
         if mine {
-            self.executor.hold(self.now, false);
-            self.note_holds();
+            self.hold_arm(false);
         }
     }
 
@@ -83,20 +80,7 @@ impl Hardware {
         }
     }
 
-    /// The arm has come to rest where it was held.
-    pub(super) fn note_holds(&mut self) {
-        while let Some((tag, stays)) = self.executor.hold_due(self.now) {
-            let event = if stays {
-                LedgerEvent::Held
-            } else {
-                LedgerEvent::Resumed
-            };
-            let tag = tag.clone();
-            self.note_pause(event, &tag);
-        }
-    }
-
-    fn note_pause(&mut self, event: LedgerEvent, tag: &MotionTag) {
+    pub(super) fn note_pause(&mut self, event: LedgerEvent, tag: &MotionTag) {
         let joints = self.executor.joints(self.now);
         let entry = self.entry(event, tag, &joints);
         self.ledger.push(entry);
@@ -151,59 +135,99 @@ impl Hardware {
 
     fn tp_path(&self, motion: &TpMotion) -> Result<Path, Refusal> {
         let acceleration = f64::from(motion.acceleration_percent) / 100.0;
-        let refused = |text: String| Err(Refusal::new(INTP_SPEED, text));
         // NaN fails every comparison.
         if !(acceleration > 0.0 && acceleration <= 1.5) {
             let percent = motion.acceleration_percent;
-            return refused(format!(
+            return Err(refused(format!(
                 "ACC is {percent}, it must be above 0 and at most 150"
-            ));
+            )));
         }
         let (frame, tool) = self.tp_frames()?;
+        let frames = (&frame, &tool);
         let from = self.executor.tail();
-        match (motion.interpolation, motion.speed) {
-            (Interpolation::Joint, TpSpeed::Percent(percent)) => {
-                if !(percent > 0.0 && percent <= 100.0) {
-                    return refused(format!(
-                        "The speed is {percent} %, it must be above 0 and at most 100"
-                    ));
-                }
-                let to = match &motion.target {
-                    TpTarget::Cartesian(position) => {
-                        self.planner.joints(position, &frame, &tool)?
-                    }
-                    TpTarget::Joints(joints) => {
-                        self.planner.within_limits(joints)?;
-                        pendant_joints(joints)?
-                    }
-                };
-                let part = f64::from(percent) / 100.0;
-                let model = self.planner.model();
-                Ok(Path::joint_at(model, from, to, part, acceleration))
-            }
-            (Interpolation::Linear | Interpolation::Circular, TpSpeed::MmPerSec(speed)) => {
-                let limit = SPEED_LIMIT.0;
-                let speed = f64::from(speed);
-                if !(speed > 0.0 && speed <= limit) {
-                    return refused(format!(
-                        "The speed is {speed} mm/s, it must be above 0 and at most {limit}"
-                    ));
-                }
-                let frames = (&frame, &tool);
-                let speeds = (speed, acceleration);
-                match &motion.via {
-                    None => self.planner.linear(from, &motion.target, frames, speeds),
-                    Some(via) => {
-                        let through = (via, &motion.target);
-                        self.planner.circular(from, through, frames, speeds)
-                    }
-                }
-            }
-            (Interpolation::Joint, TpSpeed::MmPerSec(_))
-            | (Interpolation::Linear | Interpolation::Circular, TpSpeed::Percent(_)) => {
-                refused("The unit of the speed does not fit the motion".to_owned())
-            }
+        let target = self.tp_end(motion, &from, frames)?;
+        if motion.interpolation == Interpolation::Joint {
+            let path = self.tp_joint_path((motion, &target), from, frames, acceleration)?;
+            return Ok(self.at_speed_of_mode(path, &tool));
         }
+        let pace = Pace {
+            speed: tool_speed(motion.speed)?,
+            rotation_deg_s: f64::INFINITY,
+            acceleration,
+        };
+        let pace = (&pace, motion.wrist_joint);
+        let path = match &motion.via {
+            None => self.planner.linear(from, &target, frames, pace),
+            Some(via) => self.planner.circular(from, (via, &target), frames, pace),
+        };
+        Ok(self.at_speed_of_mode(path?, &tool))
+    }
+
+    fn tp_joint_path(
+        &self,
+        (motion, target): (&TpMotion, &TpTarget),
+        from: PendantJoints,
+        (frame, tool): (&Position, &Position),
+        acceleration: f64,
+    ) -> Result<Path, Refusal> {
+        let to = match target {
+            TpTarget::Cartesian(position) => self.planner.joints(position, frame, tool)?,
+            TpTarget::Joints(joints) => {
+                self.planner.within_limits(joints)?;
+                pendant_joints(joints)?
+            }
+        };
+        let model = self.planner.model();
+        let path = |part: f64| Path::joint_at(model, from, to, part, acceleration);
+        match motion.speed {
+            TpSpeed::Percent(percent) if percent > 0.0 && percent <= 100.0 => {
+                Ok(path(f64::from(percent) / 100.0))
+            }
+            TpSpeed::Percent(percent) => Err(refused(format!(
+                "The speed is {percent} %, it must be above 0 and at most 100"
+            ))),
+            TpSpeed::Seconds(seconds) => {
+                path(1.0).lasting(f64::from(seconds)).map_err(|shortest| {
+                    refused(format!(
+                        "The motion cannot take {seconds} s, {shortest:.3} s is the shortest"
+                    ))
+                })
+            }
+            TpSpeed::MmPerSec(_) | TpSpeed::DegPerSec(_) => Err(refused(
+                "The unit of the speed does not fit the motion".to_owned(),
+            )),
+        }
+    }
+
+    /// The target; of `INC`, counted from where the motion starts.
+    fn tp_end(
+        &self,
+        motion: &TpMotion,
+        from: &PendantJoints,
+        (frame, tool): (&Position, &Position),
+    ) -> Result<TpTarget, Refusal> {
+        if !motion.incremental {
+            return Ok(motion.target.clone());
+        }
+        Ok(match &motion.target {
+            TpTarget::Joints(by) => {
+                let mut joints = joint_position(from);
+                for (axis, by) in joints.axes.iter_mut().zip(&by.axes) {
+                    *axis += by;
+                }
+                TpTarget::Joints(joints)
+            }
+            TpTarget::Cartesian(by) => {
+                let mut end = self.planner.position(from, frame, tool)?;
+                end.x += by.x;
+                end.y += by.y;
+                end.z += by.z;
+                end.w += by.w;
+                end.p += by.p;
+                end.r += by.r;
+                TpTarget::Cartesian(end)
+            }
+        })
     }
 
     fn tp_target_pose(&self, target: &TpTarget) -> PoseMmDeg {
@@ -221,7 +245,33 @@ impl Hardware {
     }
 }
 
-/// Kind, speed in mm/s, and speed in percent if it is one. A percentage stands for that part of `$SPEEDLIM`.
+/// A speed of the tool that can be.
+fn tool_speed(speed: TpSpeed) -> Result<ToolSpeed, Refusal> {
+    let limit = SPEED_LIMIT.0;
+    match speed {
+        TpSpeed::MmPerSec(speed) => {
+            let speed = f64::from(speed);
+            if speed > 0.0 && speed <= limit {
+                return Ok(ToolSpeed::MmPerSec(speed));
+            }
+            Err(refused(format!(
+                "The speed is {speed} mm/s, it must be above 0 and at most {limit}"
+            )))
+        }
+        TpSpeed::DegPerSec(speed) if speed > 0.0 => Ok(ToolSpeed::DegPerSec(speed.into())),
+        TpSpeed::Seconds(seconds) if seconds > 0.0 => Ok(ToolSpeed::Seconds(seconds.into())),
+        TpSpeed::DegPerSec(_) | TpSpeed::Seconds(_) | TpSpeed::Percent(_) => {
+            Err(refused(format!("{speed:?} is no speed of this motion")))
+        }
+    }
+}
+
+fn refused(text: String) -> Refusal {
+    Refusal::new(INTP_SPEED, text)
+}
+
+/// Kind, speed in mm/s, and speed in percent if it is one. A percentage stands for that part of `$SPEEDLIM`; a time or a
+/// rotation is no such speed, and is 0.
 fn speed_of(motion: &TpMotion) -> (MotionKind, f64, Option<f64>) {
     let kind = match motion.interpolation {
         Interpolation::Joint => MotionKind::Joint,
@@ -234,5 +284,6 @@ fn speed_of(motion: &TpMotion) -> (MotionKind, f64, Option<f64>) {
             let percent = f64::from(percent);
             (kind, percent / 100.0 * SPEED_LIMIT.0, Some(percent))
         }
+        TpSpeed::DegPerSec(_) | TpSpeed::Seconds(_) => (kind, 0.0, None),
     }
 }

@@ -6,8 +6,10 @@ use kinematics::{
 };
 
 use super::arc::Arc;
-use super::path::{INTERPOLATION_PERIOD_S, Path};
+use super::path::{INTERPOLATION_PERIOD_S, Path, SPEED_LIMIT};
 use super::planner::{Refusal, ik_refusal};
+use super::profile::Profile;
+use super::wrist::WristJoint;
 
 /// Acceleration of the tool center point, mm/s².
 ///
@@ -17,6 +19,9 @@ pub(super) const ACCELERATION: f64 = 3000.0;
 const ROTATION_SPEED: f64 = 180.0;
 /// Acceleration of a change of orientation, deg/s².
 const ROTATION_ACCELERATION: f64 = 720.0;
+
+/// A smaller change of orientation is none, degrees.
+const NO_ROTATION_DEG: f64 = 0.01;
 
 /// Samples of a way: one each interpolation period, inside of these bounds.
 const FEWEST_SAMPLES: f64 = 16.0;
@@ -34,6 +39,73 @@ const MOTN_JOINT_SPEED: Status = Status::new(15, 63);
 /// MOTN-079: the target is in another configuration than the start.
 const MOTN_CONFIGURATION: Status = Status::new(15, 79);
 
+/// How fast the tool goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ToolSpeed {
+    /// Of its center point.
+    MmPerSec(f64),
+    /// Of its orientation.
+    DegPerSec(f64),
+    /// From the start to the end.
+    Seconds(f64),
+}
+
+/// Speed and acceleration of the tool.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pace {
+    /// What the program says.
+    pub speed: ToolSpeed,
+    /// `$ROTSPEED`, deg/s: a change of orientation is not faster, unless the program says how fast it is.
+    pub rotation_deg_s: f64,
+    /// Part of the usual acceleration.
+    pub acceleration: f64,
+}
+
+impl Pace {
+    /// Rate and slope of progress on a way of `length` mm that turns by `angle` degrees.
+    ///
+    /// ASSUMPTION: a rotation of the tool is never faster than [`ROTATION_SPEED`], the center point never than
+    /// `$SPEEDLIM`; a time or a rotation that would need more is refused.
+    fn limits(&self, length: f64, angle: f64) -> Result<(f64, f64), Refusal> {
+        let limit = |straight: f64, turning: f64| (straight / length).min(turning / angle);
+        let most = limit(SPEED_LIMIT.0, ROTATION_SPEED);
+        let slope = limit(
+            ACCELERATION * self.acceleration,
+            ROTATION_ACCELERATION * self.acceleration,
+        );
+        let refused = |text: String| Err(Refusal::new(INTP_SPEED, text));
+        let rate = match self.speed {
+            ToolSpeed::MmPerSec(speed) => limit(speed, self.rotation_deg_s.min(ROTATION_SPEED)),
+            ToolSpeed::DegPerSec(_) if angle < NO_ROTATION_DEG => {
+                return refused("A speed in deg/sec needs a change of orientation".to_owned());
+            }
+            ToolSpeed::DegPerSec(speed) => speed / angle,
+            ToolSpeed::Seconds(seconds) => match Profile::rate_for(seconds, slope) {
+                _ if !slope.is_finite() => f64::INFINITY,
+                Some(rate) => rate,
+                None => {
+                    let shortest = 2.0 / slope.sqrt();
+                    return refused(format!(
+                        "The motion cannot take {seconds} s, {shortest:.3} s is the shortest"
+                    ));
+                }
+            },
+        };
+        if rate.is_finite() && rate > most * (1.0 + 1e-9) {
+            return refused(format!(
+                "The tool would be faster than {} mm/s or {ROTATION_SPEED} deg/s",
+                SPEED_LIMIT.0
+            ));
+        }
+        Ok((rate, slope))
+    }
+}
+
+/// INTP-215: a speed that cannot be.
+///
+/// ASSUMPTION: the number is ours.
+pub const INTP_SPEED: Status = Status::new(12, 215);
+
 /// Where a straight line ends.
 #[derive(Clone, Copy, Debug)]
 pub struct LinearTarget {
@@ -41,10 +113,12 @@ pub struct LinearTarget {
     pub tcp: Pose,
     /// The configuration that the target names; its turns do not matter.
     pub configuration: Configuration,
+    /// The joints at the target, if the wrist goes to them as in a joint motion (`Wjnt`).
+    pub wrist: Option<PendantJoints>,
 }
 
-/// The straight way of the tool center point from `from` to `target` at `speed_mm_s`; the orientation changes by the
-/// one shortest rotation. Accelerations are multiplied by `acceleration`.
+/// The straight way of the tool center point from `from` to `target` at this pace; the orientation changes by the
+/// one shortest rotation.
 ///
 /// ASSUMPTION: a controller notices some of what is refused here only on the way; this one never starts.
 ///
@@ -56,10 +130,12 @@ pub fn plan(
     frames: &Frames,
     from: PendantJoints,
     target: &LinearTarget,
-    (speed_mm_s, acceleration): (f64, f64),
+    pace: &Pace,
 ) -> Result<Path, Refusal> {
     let branch = model.configuration(&from);
-    check_branch(branch, target)?;
+    if target.wrist.is_none() {
+        check_branch(branch, target)?;
+    }
     let start = frames.tcp_in_user_frame(&model.forward(&from));
     let (length, angle) = start.distance_to(&target.tcp);
     let (length, angle) = (length.0, angle.0.to_degrees());
@@ -68,13 +144,14 @@ pub fn plan(
         return Err(Refusal::new(Status::MOTN_UNREACHABLE, text));
     }
     let course = Course::Straight(start, target.tcp);
-    travel(
-        (model, frames),
-        (from, branch),
-        &course,
-        (length, angle),
-        (speed_mm_s, acceleration),
-    )
+    let way = Way {
+        model,
+        frames,
+        course,
+        branch,
+        wrist: target.wrist.map(|to| (from, to)),
+    };
+    way.travel(from, (length, angle), pace)
 }
 
 /// The way of the tool center point from `from` on the circle through `via` to `target`, otherwise as [`plan`].
@@ -86,22 +163,27 @@ pub fn plan_arc(
     frames: &Frames,
     from: PendantJoints,
     (via, target): (&Pose, &LinearTarget),
-    (speed_mm_s, acceleration): (f64, f64),
+    pace: &Pace,
 ) -> Result<Path, Refusal> {
     let branch = model.configuration(&from);
-    check_branch(branch, target)?;
+    if target.wrist.is_none() {
+        check_branch(branch, target)?;
+    }
     let start = frames.tcp_in_user_frame(&model.forward(&from));
     let arc = Arc::through(&start, via, &target.tcp)?;
-    let way = (arc.length(), arc.turning_deg());
-    let speed = arc.possible_speed(speed_mm_s, acceleration);
-    let course = Course::Arc(arc);
-    travel(
-        (model, frames),
-        (from, branch),
-        &course,
-        way,
-        (speed, acceleration),
-    )
+    let length = (arc.length(), arc.turning_deg());
+    let mut pace = *pace;
+    if let ToolSpeed::MmPerSec(speed) = pace.speed {
+        pace.speed = ToolSpeed::MmPerSec(arc.possible_speed(speed, pace.acceleration));
+    }
+    let way = Way {
+        model,
+        frames,
+        course: Course::Arc(arc),
+        branch,
+        wrist: target.wrist.map(|to| (from, to)),
+    };
+    way.travel(from, length, &pace)
 }
 
 fn check_branch(branch: Configuration, target: &LinearTarget) -> Result<(), Refusal> {
@@ -113,52 +195,6 @@ fn check_branch(branch: Configuration, target: &LinearTarget) -> Result<(), Refu
         target.configuration
     );
     Err(Refusal::new(MOTN_CONFIGURATION, text))
-}
-
-/// Samples the course, which is `length` mm long and turns by `angle` degrees, and checks each sample.
-fn travel(
-    (model, frames): (&ArmModel, &Frames),
-    (from, branch): (PendantJoints, Configuration),
-    course: &Course,
-    (length, angle): (f64, f64),
-    (speed_mm_s, acceleration): (f64, f64),
-) -> Result<Path, Refusal> {
-    let limit = |straight: f64, turning: f64| (straight / length).min(turning / angle);
-    let rate = limit(speed_mm_s, ROTATION_SPEED);
-    let slope = limit(
-        ACCELERATION * acceleration,
-        ROTATION_ACCELERATION * acceleration,
-    );
-    if !rate.is_finite() || !slope.is_finite() {
-        // Neither length nor angle: the arm is there.
-        return Ok(Path::joint_at(model, from, from, 1.0, 1.0));
-    }
-    let steps = (1.0 / (rate * INTERPOLATION_PERIOD_S))
-        .clamp(FEWEST_SAMPLES, MOST_SAMPLES)
-        .ceil();
-    let way = Way {
-        model,
-        frames,
-        course,
-        branch,
-    };
-    let mut samples = vec![from];
-    let mut before = from;
-    let mut step = 1.0;
-    while step <= steps {
-        let joints = way.at(step / steps, &before)?;
-        let middle = (step - 0.5) / steps;
-        // What the profile allows here: less near the ends.
-        let here = rate
-            .min((2.0 * slope * middle).sqrt())
-            .min((2.0 * slope * (1.0 - middle)).sqrt());
-        check_speeds(model, &before, &joints, steps * here)?;
-        samples.push(joints);
-        before = joints;
-        step += 1.0;
-    }
-    Path::sampled(samples, (rate, slope))
-        .ok_or_else(|| Refusal::new(Status::MOTN_UNREACHABLE, "the way has no length"))
 }
 
 /// The way of the tool center point in the user frame.
@@ -181,17 +217,61 @@ impl Course {
 struct Way<'a> {
     model: &'a ArmModel,
     frames: &'a Frames,
-    course: &'a Course,
+    course: Course,
     branch: Configuration,
+    /// Joints at the start and at the end, if the wrist goes as in a joint motion between them.
+    wrist: Option<(PendantJoints, PendantJoints)>,
 }
 
 impl Way<'_> {
+    /// Samples the way, which is `length` mm long and turns by `angle` degrees, and checks each sample.
+    fn travel(
+        &self,
+        from: PendantJoints,
+        (length, angle): (f64, f64),
+        pace: &Pace,
+    ) -> Result<Path, Refusal> {
+        let (rate, slope) = pace.limits(length, angle)?;
+        if !rate.is_finite() || !slope.is_finite() {
+            // Neither length nor angle: the arm is there.
+            return Ok(Path::joint_at(self.model, from, from, 1.0, 1.0));
+        }
+        let steps = (1.0 / (rate * INTERPOLATION_PERIOD_S))
+            .clamp(FEWEST_SAMPLES, MOST_SAMPLES)
+            .ceil();
+        let mut samples = vec![from];
+        let mut before = from;
+        let mut step = 1.0;
+        while step <= steps {
+            let joints = self.at(step / steps, &before)?;
+            let middle = (step - 0.5) / steps;
+            // What the profile allows here: less near the ends.
+            let here = rate
+                .min((2.0 * slope * middle).sqrt())
+                .min((2.0 * slope * (1.0 - middle)).sqrt());
+            check_speeds(self.model, &before, &joints, steps * here)?;
+            samples.push(joints);
+            before = joints;
+            step += 1.0;
+        }
+        Path::of_tool(samples, (length, self.frames.tool), (rate, slope))
+            .ok_or_else(|| Refusal::new(Status::MOTN_UNREACHABLE, "the way has no length"))
+    }
+
     /// The joints at this share of the way, near those before it.
     fn at(&self, share: f64, before: &PendantJoints) -> Result<PendantJoints, Refusal> {
         let tcp = self
             .course
             .at(share)
             .map_err(|error| Refusal::new(Status::MOTN_UNREACHABLE, error.to_string()))?;
+        if let Some(ends) = &self.wrist {
+            let arm = WristJoint {
+                model: self.model,
+                frames: self.frames,
+                ends,
+            };
+            return arm.at(&tcp, share, before);
+        }
         let flange = self.frames.flange_in_world(&tcp);
         let solution = self
             .model

@@ -1,17 +1,23 @@
 //! Motion of the virtual arm: closed forms of time, so nothing ticks while nothing changes.
 //!
-//! [`profile`] says how far along a path the arm is, [`path`] maps that to six joints, [`executor`] owns the
-//! motion that runs and the one that waits, and [`planner`] turns a Cartesian target into joints or into an alarm.
+//! [`profile`] says how far along a path the arm is, [`path`] maps that to six joints, [`corner`] rounds what is
+//! between two of them, [`executor`] owns the motions that run and the one that waits, and [`planner`] turns a
+//! Cartesian target into joints or into an alarm.
 
 mod arc;
+pub mod convert;
+pub mod corner;
 pub mod executor;
 pub mod linear;
 pub mod path;
 pub mod planner;
 pub mod profile;
+mod tempo;
+mod wrist;
 
-pub use executor::{Added, Executor, Motion, MotionEnd, Outcome};
-pub use linear::LinearTarget;
+pub use corner::Blend;
+pub use executor::{Added, Brake, Executor, Happening, Motion, MotionEnd, Outcome};
+pub use linear::{LinearTarget, Pace, ToolSpeed};
 pub use path::Path;
 pub use planner::{Planner, Refusal};
 pub use profile::Profile;

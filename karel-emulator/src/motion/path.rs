@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use kinematics::{ArmModel, Axis, PendantJoints};
+use kinematics::{ArmModel, Axis, PendantJoints, Pose};
 use units::MmPerSec;
 
 use super::profile::Profile;
@@ -17,27 +17,29 @@ pub const SPEED_LIMIT: MmPerSec = MmPerSec(2000.0);
 /// ASSUMPTION: 8 ms, the default of the R-30iA. A move to where the arm stands takes one period, too.
 pub const INTERPOLATION_PERIOD_S: f64 = 0.008;
 
+/// Places of a way at which its speed is measured.
+const SPEED_SAMPLES: f64 = 200.0;
+
 /// A way with a synchronized trapezoidal profile.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Path {
     from: PendantJoints,
     to: PendantJoints,
     line: Line,
-    /// Part of the way that was traveled before: a motion that was held goes on from there.
-    begin: f64,
-    /// Rate and slope of progress, 1/s and 1/s².
-    rate: f64,
-    acceleration: f64,
     /// `None`: the arm stands still for one interpolation period.
     profile: Option<Profile>,
 }
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 enum Line {
     /// Straight in joint space.
     Joint,
-    /// Through these joints, which are equally far apart on the way of the tool center point.
-    Sampled(Arc<[PendantJoints]>),
+    /// The way of a tool, so many millimeters long, through these joints, which are equally far apart on it.
+    Tool {
+        samples: Arc<[PendantJoints]>,
+        length: f64,
+        tool: Pose,
+    },
 }
 
 impl Path {
@@ -75,11 +77,20 @@ impl Path {
         Self::new(from, to, Line::Joint, (rate, slope))
     }
 
-    /// Through `samples`, at least two, at this rate (1/s) and slope (1/s²) of progress.
-    pub(super) fn sampled(samples: Vec<PendantJoints>, (rate, slope): (f64, f64)) -> Option<Self> {
+    /// The way of `tool`, `length` mm long, through `samples`, at least two, at this rate (1/s) and slope (1/s²).
+    pub(super) fn of_tool(
+        samples: Vec<PendantJoints>,
+        (length, tool): (f64, Pose),
+        limits: (f64, f64),
+    ) -> Option<Self> {
         let (from, to) = (*samples.first()?, *samples.last()?);
-        let line = Line::Sampled(samples.into());
-        Some(Self::new(from, to, line, (rate, slope)))
+        let samples = samples.into();
+        let line = Line::Tool {
+            samples,
+            length,
+            tool,
+        };
+        Some(Self::new(from, to, line, limits))
     }
 
     fn new(
@@ -92,25 +103,51 @@ impl Path {
             from,
             to,
             line,
-            begin: 0.0,
-            rate,
-            acceleration,
             profile: Profile::try_new(rate, acceleration),
         }
     }
 
-    /// What is left of the way at a progress of 0 to 1, from a standstill there.
+    /// The same way at this part of its speed, with the same acceleration.
     #[must_use]
-    pub fn remaining(&self, progress: f64) -> Self {
-        let left = (1.0 - progress).max(0.0);
-        let (rate, acceleration) = (self.rate / left, self.acceleration / left);
+    pub fn slower(&self, part: f64) -> Self {
+        let profile = self.profile.as_ref();
+        let slower = profile.and_then(|p| Profile::try_new(p.peak() * part, p.acceleration()));
         Self {
-            begin: self.whole(progress),
-            rate,
-            acceleration,
-            profile: Profile::try_new(rate, acceleration),
+            profile: slower,
             ..self.clone()
         }
+    }
+
+    /// The same way with the same acceleration, slow enough to take so many seconds.
+    ///
+    /// # Errors
+    /// The shortest time, if this one is shorter.
+    pub fn lasting(&self, seconds: f64) -> Result<Self, f64> {
+        let Some(profile) = &self.profile else {
+            return Ok(self.clone());
+        };
+        let rate = Profile::rate_for(seconds, profile.acceleration());
+        match rate.filter(|rate| *rate <= profile.peak() * (1.0 + 1e-9)) {
+            Some(rate) => Ok(self.slower(rate / profile.peak())),
+            None => Err(self.duration()),
+        }
+    }
+
+    /// The greatest speed, per second, of a point that `place` finds for each joints, if the way is traveled at its
+    /// cruising speed all along.
+    #[must_use]
+    pub fn fastest(&self, place: impl Fn(&PendantJoints) -> [f64; 3]) -> f64 {
+        let mut longest = 0.0_f64;
+        let mut before = place(&self.from);
+        let mut n = 1.0;
+        while n <= SPEED_SAMPLES {
+            let here = place(&self.at(n / SPEED_SAMPLES));
+            let way = here.iter().zip(before).map(|(a, b)| (a - b) * (a - b));
+            longest = longest.max(way.sum::<f64>().sqrt());
+            before = here;
+            n += 1.0;
+        }
+        longest * SPEED_SAMPLES * self.profile.map_or(0.0, |p| p.peak())
     }
 
     /// Where the way starts.
@@ -133,51 +170,76 @@ impl Path {
             .max(INTERPOLATION_PERIOD_S)
     }
 
-    /// Progress 0 to 1 at path time `t`, s.
+    /// How long the way is accelerated, and decelerated, s.
     #[must_use]
-    pub fn progress(&self, t: f64) -> f64 {
-        self.profile.map_or(0.0, |p| p.progress(t))
+    pub fn ramp(&self) -> f64 {
+        self.profile.map_or(0.0, |p| p.ramp())
     }
 
-    /// Rate of progress, 1/s, at path time `t`, s, and the slope with which the path brakes, 1/s².
+    /// The slope of the ramps, parts of the way each s².
     #[must_use]
-    pub fn braking(&self, t: f64) -> Option<(f64, f64)> {
-        self.profile.map(|p| (p.rate(t), p.acceleration()))
+    pub fn slope(&self) -> f64 {
+        self.profile.map_or(0.0, |p| p.acceleration())
+    }
+
+    /// For how long the way would have to be decelerated from path time `t`, s.
+    #[must_use]
+    pub fn braking_time(&self, t: f64) -> f64 {
+        self.profile.map_or(0.0, |p| p.rate(t) / p.acceleration())
+    }
+
+    /// Of a way of the tool: how long it is, mm, and the tool on the flange.
+    #[must_use]
+    pub fn tool_way(&self) -> Option<(f64, &Pose)> {
+        match &self.line {
+            Line::Joint => None,
+            Line::Tool { length, tool, .. } => Some((*length, tool)),
+        }
+    }
+
+    /// How far the ends are from each other in joint space, degrees.
+    #[must_use]
+    pub fn chord(&self) -> f64 {
+        let ends = self.from.degrees().into_iter().zip(self.to.degrees());
+        ends.map(|(a, b)| (b - a) * (b - a)).sum::<f64>().sqrt()
+    }
+
+    /// The joints at path time `t`, s. Exactly `to` at the end.
+    #[must_use]
+    pub fn at_time(&self, t: f64) -> PendantJoints {
+        self.at(self.profile.map_or(0.0, |p| p.progress(t)))
     }
 
     /// The joints at a progress of 0 to 1. Exactly `to` at 1.
     #[must_use]
     pub fn at(&self, progress: f64) -> PendantJoints {
-        let whole = self.whole(progress);
-        if whole >= 1.0 {
+        if progress >= 1.0 {
             return self.to;
         }
         match &self.line {
-            Line::Joint => between(&self.from, &self.to, whole),
-            Line::Sampled(samples) => {
-                let steps = samples.len().saturating_sub(1);
-                #[expect(
-                    clippy::cast_precision_loss,
-                    reason = "a path has a few thousand samples"
-                )]
-                let place = whole.max(0.0) * steps as f64;
-                #[expect(
-                    clippy::cast_possible_truncation,
-                    clippy::cast_sign_loss,
-                    reason = "between 0 and the number of samples"
-                )]
-                let index = place.floor() as usize;
-                match (samples.get(index), samples.get(index + 1)) {
-                    (Some(before), Some(after)) => between(before, after, place.fract()),
-                    (_, None) | (None, _) => self.to,
-                }
-            }
+            Line::Joint => between(&self.from, &self.to, progress),
+            Line::Tool { samples, .. } => along(samples, progress).unwrap_or(self.to),
         }
     }
+}
 
-    /// Progress of the whole way.
-    fn whole(&self, progress: f64) -> f64 {
-        self.begin + (1.0 - self.begin) * progress
+/// At this share of the way through samples that are equally far apart.
+pub(super) fn along(samples: &[PendantJoints], share: f64) -> Option<PendantJoints> {
+    let steps = samples.len().saturating_sub(1);
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "a path has a few thousand samples"
+    )]
+    let place = share.max(0.0) * steps as f64;
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "between 0 and the number of samples"
+    )]
+    let index = place.floor() as usize;
+    match (samples.get(index), samples.get(index + 1)) {
+        (Some(before), Some(after)) => Some(between(before, after, place.fract())),
+        (_, None) | (None, _) => samples.last().copied(),
     }
 }
 

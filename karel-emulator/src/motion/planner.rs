@@ -1,13 +1,12 @@
 //! From a KAREL position to joints, or to the alarm that says why not.
 
-use karel::{Config, JointPosition, Position, Status, TpTarget, XyzwprExt};
-use kinematics::{
-    ArmModel, Configuration, Elbow, Flip, Frames, Front, IkError, Obstacle, PendantJoints, Pose,
-    PoseError, Seed, Xyzwpr,
-};
-use units::{Degrees, Millimeters};
+use karel::{JointPosition, Position, Status, TpTarget, XyzwprExt};
+use kinematics::{ArmModel, Frames, IkError, Obstacle, PendantJoints, Pose, PoseError, Seed};
 
-use super::linear::{self, LinearTarget};
+use super::convert::{
+    components, configuration, frames, karel_config, pendant_joints, pose, to_f32,
+};
+use super::linear::{self, LinearTarget, Pace};
 use super::path::Path;
 use crate::ledger::PoseMmDeg;
 
@@ -105,11 +104,11 @@ impl Planner {
         from: PendantJoints,
         target: &TpTarget,
         (user_frame, tool): (&Position, &Position),
-        speeds: (f64, f64),
+        (pace, wrist_joint): (&Pace, bool),
     ) -> Result<Path, Refusal> {
         let frames = checked_frames(user_frame, tool)?;
-        let target = self.way_point(target, &frames)?;
-        linear::plan(&self.model, &frames, from, &target, speeds)
+        let target = self.end_point(target, &frames, wrist_joint)?;
+        linear::plan(&self.model, &frames, from, &target, pace)
     }
 
     /// The way of the tool from `from` on the circle through `via` to `target`.
@@ -121,12 +120,29 @@ impl Planner {
         from: PendantJoints,
         (via, target): (&TpTarget, &TpTarget),
         (user_frame, tool): (&Position, &Position),
-        speeds: (f64, f64),
+        (pace, wrist_joint): (&Pace, bool),
     ) -> Result<Path, Refusal> {
         let frames = checked_frames(user_frame, tool)?;
         let via = self.way_point(via, &frames)?;
-        let target = self.way_point(target, &frames)?;
-        linear::plan_arc(&self.model, &frames, from, (&via.tcp, &target), speeds)
+        let target = self.end_point(target, &frames, wrist_joint)?;
+        linear::plan_arc(&self.model, &frames, from, (&via.tcp, &target), pace)
+    }
+
+    /// As [`Self::way_point`], with the joints there if the wrist goes to them.
+    fn end_point(
+        &self,
+        target: &TpTarget,
+        frames: &Frames,
+        wrist_joint: bool,
+    ) -> Result<LinearTarget, Refusal> {
+        let mut end = self.way_point(target, frames)?;
+        if wrist_joint {
+            let flange = frames.flange_in_world(&end.tcp);
+            let wanted = Seed::InConfiguration(end.configuration);
+            let solution = self.model.inverse(&flange, wanted);
+            end.wrist = Some(solution.map_err(|error| ik_refusal(&error))?.joints);
+        }
+        Ok(end)
     }
 
     fn way_point(&self, target: &TpTarget, frames: &Frames) -> Result<LinearTarget, Refusal> {
@@ -135,12 +151,14 @@ impl Planner {
                 tcp: pose(&Position::from(*position))
                     .map_err(|error| not_a_pose("the position", &error))?,
                 configuration: configuration(position.config),
+                wrist: None,
             },
             TpTarget::Joints(joints) => {
                 let joints = pendant_joints(joints)?;
                 LinearTarget {
                     tcp: frames.tcp_in_user_frame(&self.model.forward(&joints)),
                     configuration: self.model.configuration(&joints),
+                    wrist: None,
                 }
             }
         })
@@ -216,44 +234,6 @@ impl Planner {
     }
 }
 
-/// A pose as the ledger writes it.
-#[must_use]
-pub fn pose_mm_deg(pose: &Pose) -> PoseMmDeg {
-    components(&pose.xyzwpr()).into()
-}
-
-/// KAREL's joints as the arm's.
-///
-/// # Errors
-/// Not six axes, or an angle that is no number.
-pub fn pendant_joints(joints: &JointPosition) -> Result<PendantJoints, Refusal> {
-    let refused = |text: String| Refusal::new(Status::MOTN_LIMIT, text);
-    let axes = <[f32; 6]>::try_from(joints.axes.as_slice()).map_err(|_| {
-        refused(format!(
-            "the joint position has {} axes, this arm has 6",
-            joints.axes.len()
-        ))
-    })?;
-    PendantJoints::try_from_degrees(axes.map(f64::from)).map_err(|error| refused(error.to_string()))
-}
-
-/// The arm's joints as KAREL's.
-#[must_use]
-pub fn joint_position(joints: &PendantJoints) -> JointPosition {
-    JointPosition {
-        axes: joints.degrees().map(to_f32).to_vec(),
-    }
-}
-
-/// A position as the ledger writes it.
-#[must_use]
-pub fn pose_of_target(target: &XyzwprExt) -> PoseMmDeg {
-    let XyzwprExt {
-        x, y, z, w, p, r, ..
-    } = *target;
-    [x, y, z, w, p, r].map(f64::from).into()
-}
-
 pub(super) fn ik_refusal(error: &IkError) -> Refusal {
     match error {
         IkError::JointLimit { violations, .. }
@@ -280,72 +260,4 @@ fn not_a_pose(what: &str, error: &PoseError) -> Refusal {
 
 fn checked_frames(user_frame: &Position, tool: &Position) -> Result<Frames, Refusal> {
     frames(user_frame, tool).map_err(|(what, error)| not_a_pose(what, &error))
-}
-
-fn frames(user_frame: &Position, tool: &Position) -> Result<Frames, (&'static str, PoseError)> {
-    Ok(Frames {
-        user_frame: pose(user_frame).map_err(|error| ("$UFRAME", error))?,
-        tool: pose(tool).map_err(|error| ("$UTOOL", error))?,
-    })
-}
-
-fn pose(position: &Position) -> Result<Pose, PoseError> {
-    let Position {
-        x, y, z, w, p, r, ..
-    } = *position;
-    let mm = |value: f32| Millimeters(f64::from(value));
-    let deg = |value: f32| Degrees(f64::from(value));
-    Pose::try_from_xyzwpr(&Xyzwpr {
-        x: mm(x),
-        y: mm(y),
-        z: mm(z),
-        w: deg(w),
-        p: deg(p),
-        r: deg(r),
-    })
-}
-
-fn components(pose: &Xyzwpr) -> [f64; 6] {
-    [pose.x.0, pose.y.0, pose.z.0, pose.w.0, pose.p.0, pose.r.0]
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "KAREL's REAL has 32 bits")]
-fn to_f32(value: f64) -> f32 {
-    value as f32
-}
-
-fn configuration(config: Config) -> Configuration {
-    Configuration {
-        flip: match config.wrist {
-            karel::Wrist::Flip => Flip::Flip,
-            karel::Wrist::NoFlip => Flip::NoFlip,
-        },
-        elbow: match config.elbow {
-            karel::Elbow::Up => Elbow::Up,
-            karel::Elbow::Down => Elbow::Down,
-        },
-        front: match config.front {
-            karel::Front::Toward => Front::Toward,
-            karel::Front::Back => Front::Back,
-        },
-        turns: config.turns,
-    }
-}
-
-fn karel_config(configuration: Configuration) -> Config {
-    Config {
-        wrist: match configuration.flip {
-            Flip::Flip => karel::Wrist::Flip,
-            Flip::NoFlip => karel::Wrist::NoFlip,
-        },
-        elbow: match configuration.elbow {
-            Elbow::Up => karel::Elbow::Up,
-            Elbow::Down => karel::Elbow::Down,
-        },
-        front: match configuration.front {
-            Front::Toward => karel::Front::Toward,
-            Front::Back => karel::Front::Back,
-        },
-        turns: configuration.turns,
-    }
 }

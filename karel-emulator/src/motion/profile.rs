@@ -44,6 +44,13 @@ impl Profile {
         })
     }
 
+    /// The cruising rate with which everything takes so many seconds at this slope; `None` if it cannot be so short.
+    #[must_use]
+    pub fn rate_for(seconds: f64, acceleration: f64) -> Option<f64> {
+        let below = seconds * seconds - 4.0 / acceleration;
+        (below >= 0.0).then(|| 0.5 * acceleration * (seconds - below.sqrt()))
+    }
+
     /// Path time from start to standstill, s.
     #[must_use]
     pub fn duration(&self) -> f64 {
@@ -54,6 +61,18 @@ impl Profile {
     #[must_use]
     pub fn acceleration(&self) -> f64 {
         self.acceleration
+    }
+
+    /// Rate while cruising, 1/s.
+    #[must_use]
+    pub fn peak(&self) -> f64 {
+        self.peak
+    }
+
+    /// Length of each ramp, s.
+    #[must_use]
+    pub fn ramp(&self) -> f64 {
+        self.ramp
     }
 
     /// Progress, 0 to 1, at path time `t` seconds. Before the start it is 0, after the end 1.
@@ -138,6 +157,14 @@ mod tests {
         let short = Profile::try_new(100.0, 1.0).unwrap();
         assert!((short.duration() - 2.0).abs() < 1e-12);
         assert!((short.progress(1.0) - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_time_that_is_given_is_taken() {
+        let rate = Profile::rate_for(3.0, 1.0).unwrap();
+        let profile = Profile::try_new(rate, 1.0).unwrap();
+        assert!((profile.duration() - 3.0).abs() < 1e-12);
+        assert_eq!(Profile::rate_for(1.9, 1.0), None, "2 s is the shortest");
     }
 
     #[test]

@@ -12,10 +12,12 @@ pub mod motype {
     pub const CIRCULAR: i32 = 8;
 }
 
-/// Values of `$TERMTYPE`.
-///
-/// ASSUMPTION: this version ends every motion at a standstill, whatever the variable says.
+/// Values of `$TERMTYPE`; 2 is COARSE and 3 NOSETTLE, which end as FINE does.
 pub mod termtype {
     /// The next motion starts when the arm stands still.
     pub const FINE: i32 = 1;
+    /// The next motion starts when the arm begins to decelerate.
+    pub const NODECEL: i32 = 4;
+    /// The next motion starts while the arm decelerates.
+    pub const VARDECEL: i32 = 5;
 }

@@ -19,6 +19,9 @@ const PORT: Kind = Kind::Integer {
 };
 const NAME: Kind = Kind::Text { max: 32 };
 
+/// Words of `UALM[1]` and so on.
+const USER_ALARMS: i32 = 10;
+
 /// Frames and tools that the pendant can select.
 const MENU_FRAMES: i32 = 10;
 
@@ -137,6 +140,18 @@ impl Table {
         self.integer("$MCR.$GENOVERRIDE", Kind::Integer { min: 0, max: 100 }, 100);
         self.stored("$DMAURST", Kind::Boolean, Value::Boolean(false));
         self.integer("$JCR_GRP[1].$JOG_COORD", ANY, 0);
+        // Hundredths of a second.
+        let width = Kind::Integer {
+            min: 1,
+            max: 1_000_000,
+        };
+        self.integer("$WAITTMOUT", width, 3000);
+        // Tenths of a second.
+        self.integer("$DEFPULSE", Kind::Integer { min: 1, max: 255 }, 4);
+        for n in 1..=USER_ALARMS {
+            let words = Value::String(Text::from(""));
+            self.stored(format!("$UALRM_MSG[{n}]"), NAME, words);
+        }
         self.integer("$SCAN_TIME", Kind::Integer { min: 1, max: 4096 }, 32);
         self.live("$MOR.$SAFETY_STAT", ANY, Live::SafetyStatus);
         self.live("$MOR_GRP[1].$SERVO_READY", Kind::Boolean, Live::ServoReady);

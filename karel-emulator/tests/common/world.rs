@@ -243,6 +243,7 @@ impl World {
                     );
                 }
                 LedgerEvent::Finished
+                | LedgerEvent::Passed
                 | LedgerEvent::Refused
                 | LedgerEvent::Cancelled
                 | LedgerEvent::Held

@@ -38,7 +38,7 @@ impl Exec<'_> {
         }
         let mut used = 0_u32;
         loop {
-            let looked = if self.task.handlers.is_empty() {
+            let looked = if self.task.handlers.is_empty() && self.task.tp.monitors.is_empty() {
                 Ok(())
             } else {
                 self.look()
@@ -132,6 +132,9 @@ impl Exec<'_> {
                     self.look_at(index, now)?;
                 }
             }
+        }
+        if self.task.triggered.is_empty() {
+            self.look_at_monitors(now)?;
         }
         match self.task.triggered.pop_front() {
             Some((program, routine)) => self.interrupt(program, routine),

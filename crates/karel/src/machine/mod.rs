@@ -27,7 +27,11 @@ mod tasks;
 pub(crate) mod teaching;
 mod timer;
 mod tp;
+mod tp_assign;
+mod tp_calculate;
+mod tp_motion;
 pub(crate) mod tp_value;
+mod tp_wait;
 mod transfer;
 mod variables;
 mod verbs;
@@ -260,6 +264,7 @@ impl Machine {
         };
         if matches!(run, Run::Ended | Run::Aborted(_)) {
             task.handlers.clear();
+            task.tp.monitors.clear();
             self.tasks.broadcast(Signal::Task(TaskVerb::Abort, id));
         }
         task.state = match &run {

@@ -31,7 +31,7 @@ impl Exec<'_> {
             )),
             Outward::NoCase => Err(Fault::new(Status::INTP_NO_CASE, "No match in CASE")),
             Outward::EndTask => Ok(self.end_task()),
-            Outward::EndProgram => Ok(self.end_program()),
+            Outward::EndProgram => self.tp_end_program(),
             Outward::Builtin(row) => self.builtin(row),
             Outward::LoadSystem(row) => self.load_system(row),
             Outward::StoreSystem(row) => self.store_system(row),

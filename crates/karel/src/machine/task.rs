@@ -117,7 +117,8 @@ impl Task {
             return None;
         }
         let enabled = self.handlers.iter().filter(|handler| handler.enabled);
-        enabled.map(|handler| handler.next).min()
+        let monitors = self.tp.monitors.iter().map(|monitor| monitor.next);
+        enabled.map(|handler| handler.next).chain(monitors).min()
     }
 }
 
@@ -146,6 +147,19 @@ pub(crate) struct TpState {
     /// The registers of `OFFSET CONDITION` and `TOOL_OFFSET CONDITION`.
     pub(crate) offset: Option<i32>,
     pub(crate) tool_offset: Option<i32>,
+    /// A motion whose corner may be rounded, so the program went on before its end.
+    pub(crate) rounding: Option<MotionId>,
+    /// What MONITOR looks at.
+    pub(crate) monitors: Vec<Monitor>,
+}
+
+/// A program of conditions.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Monitor {
+    /// An index of the machine.
+    pub(crate) program: usize,
+    /// When it is looked at.
+    pub(crate) next: Duration,
 }
 
 /// An argument of a CALL.

@@ -1,15 +1,19 @@
-//! Values and assignments of TP programs.
+//! Values of TP programs.
 
-use super::{exec::Exec, exec::Flow, fault::Fault, task::Argument};
+use super::{
+    exec::Exec,
+    fault::Fault,
+    task::Argument,
+    tp_calculate::{combine, component_of, real},
+};
 use crate::{
-    ast::Relation,
-    port::{Port, PortValue},
-    position::{JointPosition, Position, XyzwprExt},
+    port::PortValue,
+    position::{JointPosition, Position},
     registers::{Number, PositionRegister},
     status::Status,
     syspath::SysPath,
-    tp::{Arithmetic, Expr, FrameKind, Index, Operand, Operator, Place},
-    value::{SysValue, Value, real_of},
+    tp::{Expr, FrameKind, Index, Operand},
+    value::Value,
 };
 
 /// A value of an instruction.
@@ -22,119 +26,6 @@ pub(super) enum Term {
 }
 
 impl Exec<'_> {
-    pub(super) fn tp_assign(&mut self, target: &Place, value: &Expr) -> Result<Flow, Fault> {
-        let value = self.tp_value(value)?;
-        match (target, value) {
-            (Place::Number(index), Term::Number(value)) => {
-                let n = self.tp_index(*index)?;
-                self.tp_set_number(n, value)?;
-            }
-            (Place::Number(index), Term::Text(text)) => {
-                // ASSUMPTION: a text that is no number is 0.
-                let n = self.tp_index(*index)?;
-                self.tp_set_number(n, number_in(&text))?;
-            }
-            (Place::Text(index), Term::Text(text)) => self.tp_set_text(*index, text)?,
-            (Place::Text(index), Term::Number(number)) => {
-                self.tp_set_text(*index, number_text(number))?;
-            }
-            (Place::Position(index), Term::Position(value)) => {
-                let n = self.tp_index(*index)?;
-                let set = self.registers.set_position(n, value);
-                set.map_err(|status| no_such("PR", n, status))?;
-            }
-            (Place::Component(register, component), Term::Number(value)) => {
-                let component = self.tp_index(*component)?;
-                self.tp_set_component(*register, component, real(value))?;
-            }
-            (Place::Port(port, index), value) => self.tp_set_port(*port, *index, &value)?,
-            (Place::Frame(kind, index), Term::Position(PositionRegister::Cartesian(position))) => {
-                let n = self.tp_index(*index)?;
-                let path = SysPath::from_name(kind.variables().0).index(&[1, n]);
-                self.tp_set_system(&path, Value::Position(Position::from(position)))?;
-            }
-            (Place::FrameNumber(kind), Term::Number(Number::Integer(number))) => {
-                let path = SysPath::from_name(kind.variables().1).index(&[1]);
-                let value = SysValue::Value(Value::Integer(number));
-                let set = self.host.set_system_variable(self.id, &path, value);
-                let none = |status| Fault::new(status, format!("There is no frame {number}"));
-                set.map_err(none)?;
-            }
-            (Place::System(path), Term::Number(Number::Integer(number))) => {
-                self.tp_set_system(path, Value::Integer(number))?;
-            }
-            (Place::System(path), Term::Number(Number::Real(number))) => {
-                self.tp_set_system(path, Value::Real(number))?;
-            }
-            (Place::System(path), Term::Switch(on)) => {
-                self.tp_set_system(path, Value::Boolean(on))?;
-            }
-            (place, value) => {
-                let message = format!("{place:?} cannot be {value:?}");
-                return Err(Fault::new(Status::INTP_TYPE, message));
-            }
-        }
-        Ok(Flow::Next)
-    }
-
-    pub(super) fn tp_set_system(&mut self, path: &SysPath, value: Value) -> Result<(), Fault> {
-        let set = self
-            .host
-            .set_system_variable(self.id, path, SysValue::Value(value));
-        set.map_err(|status| Fault::new(status, format!("{path} cannot be set")))
-    }
-
-    pub(super) fn tp_set_number(&mut self, n: i32, value: Number) -> Result<(), Fault> {
-        let set = self.registers.set_number(n, value);
-        set.map_err(|status| no_such("R", n, status))
-    }
-
-    fn tp_set_text(&mut self, index: Index, text: String) -> Result<(), Fault> {
-        let n = self.tp_index(index)?;
-        let set = self.registers.set_string(n, text);
-        set.map_err(|status| no_such("SR", n, status))
-    }
-
-    /// ASSUMPTION: a register without a value gets the others as 0, as a pose.
-    fn tp_set_component(
-        &mut self,
-        register: Index,
-        component: i32,
-        value: f32,
-    ) -> Result<(), Fault> {
-        let n = self.tp_index(register)?;
-        let position = self.registers.position(n);
-        let mut position = position.map_err(|status| no_such("PR", n, status))?.clone();
-        if position == PositionRegister::Unset {
-            position = PositionRegister::Cartesian(XyzwprExt::from(Position::default()));
-        }
-        let Some(slot) = component_of(&mut position, component) else {
-            let message = format!("There is no PR[{n},{component}]");
-            return Err(Fault::new(Status::VARS_INDEX, message));
-        };
-        *slot = value;
-        let set = self.registers.set_position(n, position);
-        set.map_err(|status| no_such("PR", n, status))
-    }
-
-    /// Groups and analog ports take whole numbers only.
-    fn tp_set_port(&mut self, port: Port, index: Index, value: &Term) -> Result<(), Fault> {
-        let n = self.tp_index(index)?;
-        let value = match value {
-            Term::Switch(on) if port.is_switch() => PortValue::Switch(*on),
-            Term::Number(Number::Integer(value)) if !port.is_switch() => PortValue::Number(*value),
-            Term::Number(Number::Real(_) | Number::Integer(_))
-            | Term::Switch(_)
-            | Term::Text(_)
-            | Term::Position(_) => {
-                let message = format!("{}[{n}] cannot be {value:?}", port.name());
-                return Err(Fault::new(Status::INTP_TYPE, message));
-            }
-        };
-        let set = self.host.set_port(self.id, port, n, value);
-        set.map_err(|status| no_such(port.name(), n, status))
-    }
-
     pub(super) fn tp_index(&self, index: Index) -> Result<i32, Fault> {
         let (name, register, number) = match index {
             Index::Fixed(number) => return Ok(number),
@@ -218,6 +109,12 @@ impl Exec<'_> {
                 Term::Position(PositionRegister::Cartesian(position.into()))
             }
             Operand::FrameNumber(kind) => Term::Number(Number::Integer(self.tp_active(*kind)?)),
+            Operand::Timer(index) => {
+                let n = self.tp_index(*index)?;
+                let counted = self.timers.watch(n, self.host.now());
+                let counted = counted.ok_or_else(|| no_such("TIMER", n, Status::VARS_INDEX))?;
+                Term::Number(Number::Real(counted.as_secs_f32()))
+            }
             Operand::LinearPosition => {
                 let (frame, tool) = self.tp_frames()?;
                 let joints = self.tp_joints()?;
@@ -314,7 +211,7 @@ impl Exec<'_> {
     }
 
     /// The scanner bounds how deep this recurses.
-    fn tp_value(&mut self, value: &Expr) -> Result<Term, Fault> {
+    pub(super) fn tp_value(&mut self, value: &Expr) -> Result<Term, Fault> {
         match value {
             Expr::Operand(operand) => self.tp_operand(operand),
             Expr::Group(inner) => self.tp_value(inner),
@@ -348,153 +245,4 @@ pub(crate) fn text_bytes(text: &str) -> Vec<u8> {
 
 pub(super) fn no_such(what: &str, n: i32, status: Status) -> Fault {
     Fault::new(status, format!("There is no {what}[{n}]"))
-}
-
-fn component_of(position: &mut PositionRegister, component: i32) -> Option<&mut f32> {
-    match position {
-        PositionRegister::Cartesian(p) => match component {
-            1 => Some(&mut p.x),
-            2 => Some(&mut p.y),
-            3 => Some(&mut p.z),
-            4 => Some(&mut p.w),
-            5 => Some(&mut p.p),
-            6 => Some(&mut p.r),
-            _ => None,
-        },
-        PositionRegister::Joints(joints) => {
-            let index = usize::try_from(component).ok()?.checked_sub(1)?;
-            joints.axes.get_mut(index)
-        }
-        PositionRegister::Unset => None,
-    }
-}
-
-fn number_in(text: &str) -> Number {
-    let text = text.trim();
-    let whole = text.parse().ok().map(Number::Integer);
-    let real = || text.parse::<f32>().ok().filter(|value| value.is_finite());
-    whole
-        .or_else(|| real().map(Number::Real))
-        .unwrap_or(Number::Integer(0))
-}
-
-fn number_text(number: Number) -> String {
-    match number {
-        Number::Integer(value) => value.to_string(),
-        Number::Real(value) => value.to_string(),
-    }
-}
-
-fn combine(operator: Operator, left: Term, right: Term) -> Result<Term, Fault> {
-    match (operator, left, right) {
-        (Operator::And, Term::Switch(a), Term::Switch(b)) => Ok(Term::Switch(a && b)),
-        (Operator::Or, Term::Switch(a), Term::Switch(b)) => Ok(Term::Switch(a || b)),
-        (Operator::Relation(relation), a, b) => compare(&a, relation, &b).map(Term::Switch),
-        (Operator::Arithmetic(operator), Term::Number(a), Term::Number(b)) => {
-            calculate(operator, a, b).map(Term::Number)
-        }
-        (Operator::Arithmetic(Arithmetic::Add), Term::Text(a), Term::Text(b)) => {
-            Ok(Term::Text(a + &b))
-        }
-        (
-            Operator::Arithmetic(operator @ (Arithmetic::Add | Arithmetic::Subtract)),
-            Term::Position(a),
-            Term::Position(b),
-        ) => sum_of_positions(operator, a, &b).map(Term::Position),
-        (operator, a, b) => {
-            let message = format!("{a:?} {operator:?} {b:?} is nothing that can be calculated");
-            Err(Fault::new(Status::INTP_TYPE, message))
-        }
-    }
-}
-
-/// Component by component; the configuration stays that of the left one.
-fn sum_of_positions(
-    operator: Arithmetic,
-    mut left: PositionRegister,
-    right: &PositionRegister,
-) -> Result<PositionRegister, Fault> {
-    let mut right = right.clone();
-    let same = matches!(
-        (&left, &right),
-        (
-            PositionRegister::Cartesian(_),
-            PositionRegister::Cartesian(_)
-        ) | (PositionRegister::Joints(_), PositionRegister::Joints(_))
-    );
-    if !same {
-        let message = "Positions that are added need values of the same kind";
-        return Err(Fault::new(Status::INTP_TYPE, message));
-    }
-    for component in 1..=6 {
-        if let (Some(value), Some(other)) = (
-            component_of(&mut left, component),
-            component_of(&mut right, component),
-        ) {
-            let sum = if operator == Arithmetic::Add {
-                *value + *other
-            } else {
-                *value - *other
-            };
-            *value = super::finite(sum)?;
-        }
-    }
-    Ok(left)
-}
-
-fn calculate(operator: Arithmetic, a: Number, b: Number) -> Result<Number, Fault> {
-    if let (Number::Integer(a), Number::Integer(b)) = (a, b)
-        && operator != Arithmetic::Divide
-    {
-        if b == 0 && matches!(operator, Arithmetic::Div | Arithmetic::Mod) {
-            return Err(Fault::divide_by_zero());
-        }
-        let result = match operator {
-            Arithmetic::Add => a.checked_add(b),
-            Arithmetic::Subtract => a.checked_sub(b),
-            Arithmetic::Multiply => a.checked_mul(b),
-            Arithmetic::Div => a.checked_div(b),
-            Arithmetic::Mod => a.checked_rem(b),
-            Arithmetic::Divide => None,
-        };
-        return result.map(Number::Integer).ok_or_else(Fault::overflow);
-    }
-    let (a, b) = (real(a), real(b));
-    let result = match operator {
-        Arithmetic::Add => a + b,
-        Arithmetic::Subtract => a - b,
-        Arithmetic::Multiply => a * b,
-        Arithmetic::Divide | Arithmetic::Div | Arithmetic::Mod if b == 0.0 => {
-            return Err(Fault::divide_by_zero());
-        }
-        Arithmetic::Divide => a / b,
-        Arithmetic::Div => (a / b).trunc(),
-        Arithmetic::Mod => a % b,
-    };
-    super::finite(result).map(Number::Real)
-}
-
-fn real(number: Number) -> f32 {
-    match number {
-        Number::Integer(value) => real_of(value),
-        Number::Real(value) => value,
-    }
-}
-
-fn compare(left: &Term, relation: Relation, right: &Term) -> Result<bool, Fault> {
-    let order = match (left, right) {
-        (Term::Number(Number::Integer(a)), Term::Number(Number::Integer(b))) => a.cmp(b),
-        (Term::Number(a), Term::Number(b)) => super::arithmetic::order(real(*a), real(*b)),
-        (Term::Text(a), Term::Text(b)) => a.cmp(b),
-        (Term::Switch(a), Term::Switch(b))
-            if matches!(relation, Relation::Equal | Relation::NotEqual) =>
-        {
-            a.cmp(b)
-        }
-        _ => {
-            let message = format!("{left:?} cannot be compared with {right:?}");
-            return Err(Fault::new(Status::INTP_TYPE, message));
-        }
-    };
-    Ok(super::arithmetic::holds(relation, order))
 }

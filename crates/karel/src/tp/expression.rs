@@ -135,6 +135,9 @@ impl Scanner<'_> {
         if self.eat_word("R") {
             return Ok(Operand::Number(self.index()?));
         }
+        if self.eat_word("TIMER") {
+            return Ok(Operand::Timer(self.index()?));
+        }
         if self.eat_word("LPOS") {
             return Ok(Operand::LinearPosition);
         }

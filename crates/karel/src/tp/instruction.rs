@@ -4,7 +4,7 @@ use super::{
     Call, Expr, ForHead, Index, Instruction, Operand, Operator, Place,
     scan::{Scanned, Scanner},
 };
-use crate::{ast::Relation, span::latin1};
+use crate::ast::Relation;
 
 /// A line whose jumps still name labels, and whose blocks are not matched.
 #[derive(Debug)]
@@ -29,8 +29,8 @@ pub(super) enum Line {
     /// number.
     Move {
         motion: super::Motion,
-        target: Option<i32>,
-        via: Option<i32>,
+        target: Option<Index>,
+        via: Option<Index>,
         skip: Option<i32>,
     },
 }
@@ -45,18 +45,15 @@ pub(super) enum Then {
 
 /// Words of instructions that are TP and not run yet.
 const NOT_YET: &[&str] = &[
-    "COL",
+    "COL GUARD",
     "ERROR_PROG",
     "JOINT_MAX_SPEED",
     "LINEAR_MAX_SPEED",
-    "LOCK",
-    "MONITOR",
+    "LOCK VREG",
     "P",
     "RESUME_PROG",
     "RSR",
-    "TIMER",
-    "UALM",
-    "UNLOCK",
+    "UNLOCK VREG",
 ];
 
 /// Most arguments of a CALL.
@@ -135,51 +132,6 @@ impl Scanner<'_> {
         })
     }
 
-    /// Instructions that are a word and perhaps an operand.
-    fn simple(&mut self) -> Scanned<Option<Instruction>> {
-        let done = if self.eat_word("CALL") {
-            Instruction::Call(self.callee()?)
-        } else if self.eat_word("RUN") {
-            Instruction::Run(self.name("a program")?.into())
-        } else if self.eat_word("END") {
-            Instruction::End
-        } else if self.eat_word("ABORT") {
-            Instruction::Abort
-        } else if self.eat_word("PAUSE") {
-            Instruction::Pause
-        } else if self.eat_word("MESSAGE") {
-            self.expect("[")?;
-            let text = latin1(self.up_to(b']')?);
-            Instruction::Message(text.trim().into())
-        } else if self.eat_word("PAYLOAD") {
-            // ASSUMPTION: the load changes no motion of this controller.
-            let _schedule = self.index()?;
-            Instruction::Nothing
-        } else if self.eat_word("OVERRIDE") {
-            self.expect("=")?;
-            let percent = self.operand()?;
-            self.expect("%")?;
-            Instruction::Override(percent)
-        } else if self.eat_word("SKIP") {
-            self.expect("CONDITION")?;
-            Instruction::SkipCondition(self.expression()?)
-        } else if self.eat_word("OFFSET") {
-            self.offset_condition(false)?
-        } else if self.eat_word("TOOL_OFFSET") {
-            self.offset_condition(true)?
-        } else {
-            return Ok(None);
-        };
-        Ok(Some(done))
-    }
-
-    fn offset_condition(&mut self, tool: bool) -> Scanned<Instruction> {
-        self.expect("CONDITION")?;
-        self.expect("PR")?;
-        let register = self.index()?;
-        Ok(Instruction::OffsetCondition { tool, register })
-    }
-
     pub(super) fn label(&mut self) -> Scanned<i32> {
         self.expect("LBL")?;
         match self.index()? {
@@ -190,7 +142,7 @@ impl Scanner<'_> {
         }
     }
 
-    fn callee(&mut self) -> Scanned<Call> {
+    pub(super) fn callee(&mut self) -> Scanned<Call> {
         let program = self.name("a program")?.into();
         let mut arguments = Vec::new();
         if self.eat("(") {
@@ -289,11 +241,11 @@ impl Scanner<'_> {
         let target = self.place()?;
         self.expect("=")?;
         if self.eat_word("PULSE") {
-            if !self.eat(",") {
-                return Err(self.unsupported("PULSE without a time"));
+            let mut width = None;
+            if self.eat(",") {
+                width = Some(self.operand()?);
+                self.expect("sec")?;
             }
-            let width = self.operand()?;
-            self.expect("sec")?;
             return Ok((target, Assigned::Pulse(width)));
         }
         Ok((target, Assigned::Value(self.expression()?)))
@@ -339,5 +291,5 @@ impl Scanner<'_> {
 /// The right side of an assignment.
 enum Assigned {
     Value(Expr),
-    Pulse(Operand),
+    Pulse(Option<Operand>),
 }

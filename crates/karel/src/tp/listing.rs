@@ -58,7 +58,7 @@ pub(crate) fn parse(source: &Source, reports: &mut Reports) -> Option<Listing> {
     };
     Some(Listing {
         name,
-        instructions: resolve::resolve(lines, &taught, reports),
+        instructions: resolve::resolve(lines, taught.clone(), reports),
         positions: taught,
     })
 }

@@ -12,8 +12,9 @@ mod motion;
 mod position;
 mod resolve;
 mod scan;
+mod simple;
 
-use std::sync::Arc;
+use std::{collections::BTreeMap, sync::Arc};
 
 use crate::{
     ast::Relation,
@@ -69,7 +70,15 @@ pub(crate) enum Instruction {
     Call(Call),
     Run(Arc<str>),
     Move(Motion),
-    Pulse(Port, Index, Operand),
+    /// Without a time it is that of `$DEFPULSE`.
+    Pulse(Port, Index, Option<Operand>),
+    Timer(Index, TimerAction),
+    /// `UALM[1]`.
+    UserAlarm(Index),
+    /// `MONITOR` and `MONITOR END`: whether a program of conditions is looked at.
+    Monitor(Arc<str>, bool),
+    /// A condition of such a program.
+    When(Expr, Call),
     Message(Arc<str>),
     SkipCondition(Expr),
     /// `OFFSET CONDITION`, or `TOOL_OFFSET CONDITION`.
@@ -164,6 +173,8 @@ pub(crate) enum Operand {
     Port(Port, Index),
     Frame(FrameKind, Index),
     FrameNumber(FrameKind),
+    /// `TIMER[1]`: seconds.
+    Timer(Index),
     /// Where the arm is: the tool in the user frame, or the joints.
     LinearPosition,
     JointPosition,
@@ -206,12 +217,20 @@ pub(crate) struct Motion {
     pub(crate) target: MotionTarget,
     pub(crate) speed: Operand,
     pub(crate) unit: SpeedUnit,
+    /// `CNT`; `None` is FINE.
+    pub(crate) rounding: Option<Operand>,
     /// `ACC`.
     pub(crate) acceleration: Option<Operand>,
     pub(crate) offset: Shift,
     pub(crate) tool_offset: Shift,
+    /// `INC`: the target counts from where the motion starts.
+    pub(crate) incremental: bool,
+    /// `Wjnt`: the wrist turns as in a joint motion.
+    pub(crate) wrist_joint: bool,
     /// `Skip`: where to when the motion ends without its SKIP CONDITION.
     pub(crate) skip: Option<u32>,
+    /// `Skip,LBL[1],PR[2]=LPOS`: the register that keeps where the arm was when the condition held.
+    pub(crate) skip_keeps: Option<(Index, Operand)>,
 }
 
 /// `Offset`, `Tool_Offset`.
@@ -227,7 +246,12 @@ pub(crate) enum Shift {
 pub(crate) enum MotionTarget {
     Register(Index),
     Taught(Arc<Taught>),
+    /// `P[R[1]]`.
+    TaughtBy(Index, Arc<Positions>),
 }
+
+/// The `/POS` section by number.
+pub(crate) type Positions = BTreeMap<i32, Arc<Taught>>;
 
 /// A position of the `/POS` section; frame and tool as numbers, `None` for whatever is active.
 #[derive(Clone, Debug, PartialEq)]
@@ -243,4 +267,15 @@ pub(crate) enum SpeedUnit {
     Percent,
     MmPerSec,
     CmPerMin,
+    InchPerMin,
+    DegPerSec,
+    Seconds,
+    Milliseconds,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum TimerAction {
+    Start,
+    Stop,
+    Reset,
 }

@@ -33,17 +33,21 @@ impl Scanner<'_> {
         };
         let speed = self.operand()?;
         let unit = self.unit(interpolation)?;
-        self.termination()?;
+        let rounding = self.termination()?;
         let mut motion = Motion {
             interpolation,
             via: via.map(|(via, _)| MotionTarget::Register(via)),
             target: MotionTarget::Register(target.0),
             speed,
             unit,
+            rounding,
             acceleration: None,
             offset: Shift::No,
             tool_offset: Shift::No,
+            incremental: false,
+            wrist_joint: false,
             skip: None,
+            skip_keeps: None,
         };
         let mut skip = None;
         while !self.at_end() {
@@ -54,11 +58,23 @@ impl Scanner<'_> {
                 motion.tool_offset = self.shift()?;
             } else if self.eat_word("Offset") {
                 motion.offset = self.shift()?;
+            } else if self.eat_word("INC") {
+                if interpolation == Interpolation::Circular {
+                    return Err(self.unsupported("INC of a motion C"));
+                }
+                motion.incremental = true;
+            } else if self.eat_word("Wjnt") {
+                if interpolation == Interpolation::Joint {
+                    return Err(self.wrong(0, "a motion J has no Wjnt"));
+                }
+                motion.wrist_joint = true;
             } else if self.eat_word("Skip") {
                 self.expect(",")?;
                 skip = Some(self.label()?);
+                motion.skip_keeps = self.kept_position()?;
             } else if !self.eat_word("PTH") {
-                return Err(self.unsupported("this option of a motion"));
+                let word = self.name("an option of a motion")?;
+                return Err(self.unsupported(&format!("the option {word} of a motion")));
             }
         }
         Ok(Line::Move {
@@ -69,6 +85,22 @@ impl Scanner<'_> {
         })
     }
 
+    /// `,PR[2]=LPOS` behind `Skip,LBL[1]`.
+    fn kept_position(&mut self) -> Scanned<Option<(Index, Operand)>> {
+        if !self.eat(",PR") {
+            return Ok(None);
+        }
+        let register = self.index()?;
+        self.expect("=")?;
+        if self.eat_word("LPOS") {
+            return Ok(Some((register, Operand::LinearPosition)));
+        }
+        if self.eat_word("JPOS") {
+            return Ok(Some((register, Operand::JointPosition)));
+        }
+        Err(self.expected("LPOS or JPOS"))
+    }
+
     /// `Offset`, `Offset,PR[3]`.
     fn shift(&mut self) -> Scanned<Shift> {
         if self.eat(",PR") {
@@ -77,18 +109,14 @@ impl Scanner<'_> {
         Ok(Shift::Condition)
     }
 
-    /// `PR[1]`, `P[3:place]`: the number of the register, or of the taught position twice.
-    fn place_to_go(&mut self) -> Scanned<(Index, Option<i32>)> {
+    /// `PR[1]`, `P[3:place]`, `P[R[1]]`: the register, or that number in the `/POS` section.
+    fn place_to_go(&mut self) -> Scanned<(Index, Option<Index>)> {
         if self.eat_word("PR") {
             return Ok((self.index()?, None));
         }
         self.expect("P")?;
-        match self.index()? {
-            index @ Index::Fixed(number) => Ok((index, Some(number))),
-            Index::Register(_) | Index::Argument(_) => {
-                Err(self.unsupported("a position whose number is in a register"))
-            }
-        }
+        let index = self.index()?;
+        Ok((index, Some(index)))
     }
 
     fn unit(&mut self, interpolation: Interpolation) -> Scanned<SpeedUnit> {
@@ -96,17 +124,24 @@ impl Scanner<'_> {
             ("%", SpeedUnit::Percent),
             ("mm/sec", SpeedUnit::MmPerSec),
             ("cm/min", SpeedUnit::CmPerMin),
+            ("inch/min", SpeedUnit::InchPerMin),
+            ("deg/sec", SpeedUnit::DegPerSec),
+            ("msec", SpeedUnit::Milliseconds),
+            ("sec", SpeedUnit::Seconds),
         ];
-        for other in ["deg/sec", "sec", "msec", "inch/min"] {
-            if self.eat_word(other) {
-                return Err(self.unsupported(&format!("a speed in {other}")));
-            }
-        }
         let found = units.into_iter().find(|(text, _)| self.eat(text));
         let Some((text, unit)) = found else {
-            return Err(self.expected("`%`, `mm/sec` or `cm/min`"));
+            let what = "`%`, `mm/sec`, `cm/min`, `inch/min`, `deg/sec`, `sec` or `msec`";
+            return Err(self.expected(what));
         };
-        let fits = (unit == SpeedUnit::Percent) == (interpolation == Interpolation::Joint);
+        let fits = match unit {
+            SpeedUnit::Percent => interpolation == Interpolation::Joint,
+            SpeedUnit::Seconds | SpeedUnit::Milliseconds => true,
+            SpeedUnit::MmPerSec
+            | SpeedUnit::CmPerMin
+            | SpeedUnit::InchPerMin
+            | SpeedUnit::DegPerSec => interpolation != Interpolation::Joint,
+        };
         if !fits {
             let letter = match interpolation {
                 Interpolation::Joint => "J",
@@ -119,16 +154,17 @@ impl Scanner<'_> {
     }
 
     /// `FINE`, `CNT50`, `CNT R[3]`.
-    ///
-    /// ASSUMPTION: every motion of this version ends at a standstill, as if it were FINE.
-    fn termination(&mut self) -> Scanned<()> {
+    fn termination(&mut self) -> Scanned<Option<Operand>> {
         if self.eat_word("FINE") {
-            return Ok(());
+            return Ok(None);
         }
         if self.eat("CNT") {
             let rounding = self.operand()?;
-            if matches!(rounding, Operand::Integer(0..=100) | Operand::Number(_)) {
-                return Ok(());
+            if matches!(
+                rounding,
+                Operand::Integer(0..=100) | Operand::Number(_) | Operand::Argument(_)
+            ) {
+                return Ok(Some(rounding));
             }
             return Err(self.wrong(0, "CNT is 0 to 100"));
         }

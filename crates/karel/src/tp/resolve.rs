@@ -3,7 +3,7 @@
 use std::{collections::BTreeMap, sync::Arc};
 
 use super::{
-    Branch, ForHead, Instruction, MotionTarget, Taught,
+    Branch, ForHead, Index, Instruction, MotionTarget, Positions,
     instruction::{Line, Then},
 };
 use crate::{diagnostic::Reports, span::Span};
@@ -18,7 +18,7 @@ struct Blocks {
 
 pub(super) fn resolve(
     lines: Vec<(Line, Span)>,
-    taught: &BTreeMap<i32, Arc<Taught>>,
+    taught: Positions,
     reports: &mut Reports,
 ) -> Vec<Instruction> {
     let mut labels = BTreeMap::new();
@@ -33,7 +33,7 @@ pub(super) fn resolve(
     let selects = ends_of_selects(&lines);
     let mut resolver = Resolver {
         labels,
-        taught,
+        taught: Arc::new(taught),
         reports,
     };
     let mut resolved = Vec::with_capacity(lines.len());
@@ -91,7 +91,7 @@ pub(super) fn resolve(
 
 struct Resolver<'a> {
     labels: BTreeMap<i32, u32>,
-    taught: &'a BTreeMap<i32, Arc<Taught>>,
+    taught: Arc<Positions>,
     reports: &'a mut Reports,
 }
 
@@ -112,7 +112,10 @@ impl Resolver<'_> {
         }
     }
 
-    fn position(&mut self, number: i32, span: Span) -> Option<MotionTarget> {
+    fn position(&mut self, index: Index, span: Span) -> Option<MotionTarget> {
+        let Index::Fixed(number) = index else {
+            return Some(MotionTarget::TaughtBy(index, self.taught.clone()));
+        };
         let found = self.taught.get(&number).cloned();
         if found.is_none() {
             self.reports

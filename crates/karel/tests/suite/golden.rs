@@ -53,7 +53,7 @@ fn golden_cases_give_what_they_gave() {
     assert!(differences.is_empty(), "{differences}");
 }
 
-fn with_crlf(source: &[u8]) -> Vec<u8> {
+pub(crate) fn with_crlf(source: &[u8]) -> Vec<u8> {
     let mut converted = Vec::new();
     for byte in source {
         if *byte == b'\n' {
@@ -98,7 +98,7 @@ fn outcome(source: &[u8], name: &str) -> String {
     out + &host.trace
 }
 
-fn script(source: &[u8]) -> Vec<Event> {
+pub(crate) fn script(source: &[u8]) -> Vec<Event> {
     let text = String::from_utf8_lossy(source).replace('\r', "");
     text.lines()
         .filter_map(|line| line.strip_prefix("--> "))
@@ -107,7 +107,7 @@ fn script(source: &[u8]) -> Vec<Event> {
         .collect()
 }
 
-fn loads(source: &[u8]) -> Vec<String> {
+pub(crate) fn loads(source: &[u8]) -> Vec<String> {
     let text = String::from_utf8_lossy(source).replace('\r', "");
     let files = text
         .lines()

@@ -54,6 +54,9 @@ pub(crate) struct ScriptedHost {
     received: Vec<u8>,
     closed: bool,
     moving: Option<MotionId>,
+    /// Whether the program goes on before the motion ends.
+    rounds: bool,
+    tp_motions: u64,
     next_file: u32,
     /// Files of the device `FR:` by name.
     files: BTreeMap<String, Vec<u8>>,
@@ -83,6 +86,8 @@ impl ScriptedHost {
             received: Vec::new(),
             closed: false,
             moving: None,
+            rounds: false,
+            tp_motions: 0,
             next_file: 1,
             files: BTreeMap::new(),
             open: BTreeMap::new(),
@@ -373,21 +378,6 @@ impl Host for ScriptedHost {
         Ok(())
     }
 
-    fn start_tp_motion(
-        &mut self,
-        _: TaskId,
-        motion: TpMotion,
-        _: &Registers,
-    ) -> Progress<Result<MotionId, Status>> {
-        let target = match &motion.target {
-            TpTarget::Cartesian(position) => shown(&Value::XyzwprExt(*position)),
-            TpTarget::Joints(joints) => format!("{:?}", joints.axes),
-        };
-        let (program, line) = (&motion.program, motion.line);
-        self.note(&format!("{program} line {line} moves to {target}"));
-        Progress::Ready(Ok(MotionId(0)))
-    }
-
     fn cancel_arm(&mut self, _: TaskId) {
         self.note("cancel motion");
         self.moving = None;
@@ -525,7 +515,7 @@ impl Host for ScriptedHost {
     }
 
     fn motion_ended(&mut self, motion: MotionId) -> Progress<Status> {
-        if self.moving == Some(motion) {
+        if self.moving == Some(motion) && !self.rounds {
             return Progress::Pending(Wait::Motion(motion));
         }
         self.note("motion ended");
@@ -534,6 +524,52 @@ impl Host for ScriptedHost {
 
     fn motion_left(&self, motion: MotionId) -> Option<Duration> {
         (self.moving == Some(motion)).then_some(Duration::from_millis(10))
+    }
+
+    fn start_tp_motion(
+        &mut self,
+        _: TaskId,
+        motion: TpMotion,
+        _: &Registers,
+    ) -> Progress<Result<MotionId, Status>> {
+        if let Some(Event::FailMotion(status)) = self.script.front() {
+            let status = Status(*status);
+            let _ = self.script.pop_front();
+            return Progress::Ready(Err(status));
+        }
+        let place = |target: &TpTarget| match target {
+            TpTarget::Cartesian(position) => shown(&Value::XyzwprExt(*position)),
+            TpTarget::Joints(joints) => format!("{:?}", joints.axes),
+        };
+        let mut line = format!("{:?} ", motion.interpolation);
+        if let Some(via) = &motion.via {
+            write!(line, "over {} ", place(via)).unwrap();
+        }
+        write!(line, "to {} at {:?}", place(&motion.target), motion.speed).unwrap();
+        if let Some(percent) = motion.rounding_percent {
+            write!(line, " rounds {percent}").unwrap();
+        }
+        if motion.incremental {
+            line += " incremental";
+        }
+        if motion.wrist_joint {
+            line += " wrist joint";
+        }
+        let (percent, number) = (motion.acceleration_percent, motion.line);
+        self.note(&format!("{line} acc {percent} line {number}"));
+        self.rounds = motion.rounding_percent.is_some();
+        self.tp_motions += 1;
+        let id = MotionId(self.tp_motions);
+        self.moving = Some(id);
+        Progress::Ready(Ok(id))
+    }
+
+    fn motion_rests(&mut self, motion: MotionId) -> Progress<Status> {
+        if self.moving == Some(motion) {
+            return Progress::Pending(Wait::Motion(motion));
+        }
+        self.note("motion rests");
+        Progress::Ready(Status::OK)
     }
 
     fn post_alarm(&mut self, _: TaskId, alarm: &RuntimeError) {

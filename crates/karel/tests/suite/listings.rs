@@ -153,14 +153,11 @@ fn what_is_not_run_yet_or_makes_no_sense_is_an_error_with_its_line() {
         ),
         ("R[1,2]=5", "only PR has components"),
         (
-            "L PR[1] 100mm/sec FINE Wjnt",
-            "this option of a motion is not supported yet",
+            "L PR[1] 100mm/sec FINE BREAK",
+            "the option BREAK of a motion is not supported yet",
         ),
-        ("L PR[1] 2sec FINE", "a speed in sec is not supported yet"),
-        (
-            "TIMER[1]=START",
-            "the instruction TIMER is not supported yet",
-        ),
+        ("L PR[1] 2hours FINE", "expected `%`, `mm/sec`"),
+        ("RSR[1]=ENABLE", "the instruction RSR is not supported yet"),
         ("$A..B=1", "is no variable"),
         ("JMP LBL[5]", "there is no LBL[5]"),
         (

@@ -13,3 +13,4 @@ mod robustness;
 mod semantics;
 mod sock_server;
 mod tasks;
+mod tp_cases;

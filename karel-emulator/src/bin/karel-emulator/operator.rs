@@ -32,6 +32,10 @@ enum Key {
     },
     /// The teach pendant's switch.
     Pendant { switch: Switch },
+    /// The enabling switch of the pendant: held (on) or released (off)
+    Deadman { switch: Switch },
+    /// The fence
+    Fence { gate: Gate },
     /// The emergency stop: on is pressed.
     EmergencyStop { switch: Switch },
     /// Servo power.
@@ -69,6 +73,12 @@ enum Key {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Gate {
+    Open,
+    Closed,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Switch {
     On,
     Off,
@@ -94,6 +104,8 @@ impl Operator {
             Key::Reset => press("/api/v1/reset"),
             Key::Mode { mode } => turn("mode", json!(mode.to_ascii_uppercase())),
             Key::Pendant { switch } => turn("pendant_enabled", on(switch)),
+            Key::Deadman { switch } => turn("deadman_held", on(switch)),
+            Key::Fence { gate } => turn("fence_open", json!(*gate == Gate::Open)),
             Key::EmergencyStop { switch } => turn("emergency_stop", on(switch)),
             Key::Servo { switch } => turn("servo_power", on(switch)),
             Key::Step { switch } => turn("single_step", on(switch)),

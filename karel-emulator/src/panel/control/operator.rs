@@ -10,6 +10,7 @@ use super::parts::{AnyProblem, Body, Refusal};
 use crate::controller::{CmosMemory, Controller, OperateError, Operation};
 use crate::faults::Memory;
 use crate::hardware::operator::OperatingMode;
+use crate::hardware::safety::StopSource;
 use crate::ledger::JointsDeg;
 use crate::virtual_controller::visit;
 
@@ -59,6 +60,18 @@ pub struct OperatorPatch {
     /// The emergency stop. After its release a reset is due.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub emergency_stop: Option<bool>,
+    /// The enabling switch of the pendant: in T1 and T2 programs move the arm while it is held.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub deadman_held: Option<bool>,
+    /// The fence. After it is closed a reset is due.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fence_open: Option<bool>,
+    /// The emergency stop of the pendant.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pendant_emergency_stop: Option<bool>,
+    /// An emergency stop somewhere else in the cell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub external_emergency_stop: Option<bool>,
     /// Servo power.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub servo_power: Option<bool>,
@@ -118,9 +131,16 @@ async fn set_operator(
     Body(patch): Body<OperatorPatch>,
 ) -> Result<Json<OperatorView>, Refusal> {
     // The override is the only one that can be refused: it goes first, so that nothing is done by halves.
+    let stop = |source, active: Option<bool>| {
+        active.map(|active| Operation::SafetyStop { source, active })
+    };
     let operations = [
         patch.override_percent.map(Operation::SetOverride),
         patch.emergency_stop.map(Operation::EmergencyStop),
+        stop(StopSource::Pendant, patch.pendant_emergency_stop),
+        stop(StopSource::External, patch.external_emergency_stop),
+        stop(StopSource::Fence, patch.fence_open),
+        patch.deadman_held.map(Operation::SetDeadman),
         patch.servo_power.map(Operation::SetServoPower),
         patch.pendant_enabled.map(Operation::SetPendant),
         patch.mode.map(Operation::SetMode),

@@ -1,0 +1,91 @@
+//! Instructions that are a word and perhaps an operand.
+
+use super::{
+    Instruction, TimerAction,
+    scan::{Scanned, Scanner},
+};
+use crate::span::latin1;
+
+impl Scanner<'_> {
+    /// Instructions that are a word and perhaps an operand.
+    pub(super) fn simple(&mut self) -> Scanned<Option<Instruction>> {
+        let done = if self.eat_word("CALL") {
+            Instruction::Call(self.callee()?)
+        } else if self.eat_word("RUN") {
+            Instruction::Run(self.name("a program")?.into())
+        } else if self.eat_word("END") {
+            Instruction::End
+        } else if self.eat_word("ABORT") {
+            Instruction::Abort
+        } else if self.eat_word("PAUSE") {
+            Instruction::Pause
+        } else if self.eat_word("MESSAGE") {
+            self.expect("[")?;
+            let text = latin1(self.up_to(b']')?);
+            Instruction::Message(text.trim().into())
+        } else if self.eat_word("PAYLOAD") {
+            // ASSUMPTION: the load changes no motion of this controller.
+            let _schedule = self.index()?;
+            Instruction::Nothing
+        } else if self.eat("LOCK PREG") || self.eat("UNLOCK PREG") {
+            // ASSUMPTION: each line reads its position registers when it is executed, so nothing is to be locked.
+            Instruction::Nothing
+        } else if self.eat("COL DETECT") {
+            // ASSUMPTION: this arm hits nothing, so there is nothing to detect.
+            if !self.eat_word("ON") && !self.eat_word("OFF") {
+                return Err(self.expected("ON or OFF"));
+            }
+            Instruction::Nothing
+        } else if self.eat_word("TIMER") {
+            self.timer()?
+        } else if self.eat_word("UALM") {
+            Instruction::UserAlarm(self.index()?)
+        } else if self.eat_word("MONITOR") {
+            let on = !self.eat_word("END");
+            Instruction::Monitor(self.name("a program")?.into(), on)
+        } else if self.eat_word("WHEN") {
+            let condition = self.expression()?;
+            self.expect(",")?;
+            self.expect("CALL")?;
+            Instruction::When(condition, self.callee()?)
+        } else if self.eat_word("OVERRIDE") {
+            self.expect("=")?;
+            let percent = self.operand()?;
+            self.expect("%")?;
+            Instruction::Override(percent)
+        } else if self.eat_word("SKIP") {
+            self.expect("CONDITION")?;
+            Instruction::SkipCondition(self.expression()?)
+        } else if self.eat_word("OFFSET") {
+            self.offset_condition(false)?
+        } else if self.eat_word("TOOL_OFFSET") {
+            self.offset_condition(true)?
+        } else {
+            return Ok(None);
+        };
+        Ok(Some(done))
+    }
+
+    /// `TIMER[1]=START`, `STOP`, `RESET`.
+    fn timer(&mut self) -> Scanned<Instruction> {
+        let index = self.index()?;
+        self.expect("=")?;
+        let action = if self.eat_word("START") {
+            TimerAction::Start
+        } else if self.eat_word("STOP") {
+            TimerAction::Stop
+        } else if self.eat_word("RESET") {
+            TimerAction::Reset
+        } else {
+            return Err(self.expected("START, STOP or RESET"));
+        };
+        Ok(Instruction::Timer(index, action))
+    }
+
+    fn offset_condition(&mut self, tool: bool) -> Scanned<Instruction> {
+        self.expect("CONDITION")?;
+        self.expect("PR")?;
+        let register = self.index()?;
+        Ok(Instruction::OffsetCondition { tool, register })
+    }
+}

@@ -1,0 +1,35 @@
+/PROG  SKIP
+/ATTR
+OWNER		= MNEDITOR;
+DEFAULT_GROUP	= 1,*,*,*,*;
+/MN
+   1:  SKIP CONDITION DI[1]=ON ;
+   2:L P[1] 50mm/sec FINE Skip,LBL[1] ;
+   3:  R[1]=1 ;
+   4:  LBL[1] ;
+   5:  WAIT .20(sec) ;
+   6:L P[2] 50mm/sec FINE Skip,LBL[2],PR[4]=LPOS ;
+   7:  R[2]=1 ;
+   8:  LBL[2] ;
+   9:L P[2] 50mm/sec CNT50 Skip,LBL[3],PR[5]=JPOS ;
+  10:  R[3]=1 ;
+  11:  LBL[3] ;
+/POS
+P[1:"here"]{
+   GP1:
+	UF : 0, UT : 1,		CONFIG : 'N U T, 0, 0, 0',
+	X = 900.000 mm,	Y = 0.000 mm,	Z = 700.000 mm,
+	W = 180.000 deg,	P = 0.000 deg,	R = 0.000 deg
+};
+P[2:"here"]{
+   GP1:
+	UF : 0, UT : 1,		CONFIG : 'F U T, 0, 0, -1',
+	X = 800.000 mm,	Y = 100.000 mm,	Z = 600.000 mm,
+	W = 180.000 deg,	P = 0.000 deg,	R = 0.000 deg
+};
+P[3]{
+   GP1:
+	UF : F, UT : F,
+	J1 = 10.000 deg,	J2 = 20.000 deg,	J3 = -30.000 deg,	J4 = 0.000 deg,	J5 = -60.000 deg,	J6 = 5.000 deg
+};
+/END
