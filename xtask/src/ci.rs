@@ -16,6 +16,7 @@ const STEPS: &[Step] = &[
     ("documentation", documentation),
     ("dependencies", dependencies),
     ("tests", || test(&[])),
+    ("fuzzing", crate::fuzz::ci),
 ];
 
 /// Every step, in order; stops at the first that fails.

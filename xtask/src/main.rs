@@ -4,6 +4,7 @@ mod bench;
 mod ci;
 mod command;
 mod failures;
+mod fuzz;
 mod openapi;
 
 use anyhow::Result;
@@ -37,6 +38,8 @@ enum Task {
     Openapi,
     /// Write docs/failures.md from docs/failures.toml and the tests.
     Failures,
+    /// Fuzz what comes from outside, each target for a while.
+    Fuzz(fuzz::Options),
     /// Run a benchmark against the peer, both in one run.
     Bench {
         /// Which one.
@@ -55,6 +58,7 @@ fn main() -> Result<()> {
         Task::Ci => ci::all(),
         Task::Openapi => openapi::write(),
         Task::Failures => failures::write(),
+        Task::Fuzz(options) => fuzz::run(&options),
         Task::Bench { which, args } => bench::run(which, &args),
     }
 }

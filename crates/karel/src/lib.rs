@@ -80,6 +80,8 @@ mod cmos;
 mod diagnostic;
 mod error;
 mod frame;
+#[cfg(test)]
+mod golden_coverage;
 mod headers;
 mod host;
 mod include;

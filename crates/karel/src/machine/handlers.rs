@@ -540,6 +540,7 @@ impl Exec<'_> {
                     }
                 }
             }
+            self.hear_own_deeds();
             return Flow::Next;
         }
         match verb {

@@ -104,6 +104,7 @@ impl Exec<'_> {
             site,
         };
         let outcome = (site.builtin.code)(&mut context)?;
+        self.hear_own_deeds();
         match outcome {
             Outcome::Pending(wait) => return Ok(Flow::Blocked(wait)),
             Outcome::EndTask => return Ok(self.end_task()),
@@ -130,6 +131,13 @@ impl Exec<'_> {
             }
         }
         Ok(Flow::Next)
+    }
+
+    /// A program that pauses, continues or ends another sees that in its own conditions, too.
+    pub(super) fn hear_own_deeds(&mut self) {
+        for signal in self.others.take_deeds() {
+            self.task.signal(signal);
+        }
     }
 
     /// If the instruction is a pause that was begun: whether it goes on waiting.

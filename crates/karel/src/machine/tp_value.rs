@@ -21,6 +21,20 @@ pub(super) enum Term {
     Position(PositionRegister),
 }
 
+impl Term {
+    /// The value as a message names it.
+    fn shown(&self) -> String {
+        match self {
+            Term::Number(Number::Integer(value)) => value.to_string(),
+            Term::Number(Number::Real(value)) => value.to_string(),
+            Term::Switch(true) => "ON".to_owned(),
+            Term::Switch(false) => "OFF".to_owned(),
+            Term::Text(text) => format!("'{text}'"),
+            Term::Position(_) => "a position".to_owned(),
+        }
+    }
+}
+
 impl Exec<'_> {
     pub(super) fn tp_assign(&mut self, target: &Place, value: &Expr) -> Result<Flow, Fault> {
         let value = self.tp_value(value)?;
@@ -69,8 +83,8 @@ impl Exec<'_> {
             (Place::System(path), Term::Switch(on)) => {
                 self.tp_set_system(path, Value::Boolean(on))?;
             }
-            (place, value) => {
-                let message = format!("{place:?} cannot be {value:?}");
+            (_, value) => {
+                let message = format!("The target of this assignment cannot be {}", value.shown());
                 return Err(Fault::new(Status::INTP_TYPE, message));
             }
         }
@@ -127,7 +141,7 @@ impl Exec<'_> {
             | Term::Switch(_)
             | Term::Text(_)
             | Term::Position(_) => {
-                let message = format!("{}[{n}] cannot be {value:?}", port.name());
+                let message = format!("{}[{n}] cannot be {}", port.name(), value.shown());
                 return Err(Fault::new(Status::INTP_TYPE, message));
             }
         };
