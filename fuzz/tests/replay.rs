@@ -6,6 +6,7 @@ use std::path::Path;
 use fuzz::choices::Choices;
 use fuzz::{TARGETS, grammar, targets};
 
+/// Covers: K6, K7.
 #[test]
 fn seeds_and_former_findings_pass() {
     for target in TARGETS {

@@ -62,6 +62,7 @@ fn target(number: u64, command: u64) -> (u64, u64) {
     (100_000 + 1_000 * number, 500_000 + 20_000 * command)
 }
 
+/// Covers: K6, K8.
 #[tokio::test]
 async fn a_hundred_loaded_controllers_do_what_each_was_told_and_starve_nobody() {
     let controllers: Vec<_> = (0..100)

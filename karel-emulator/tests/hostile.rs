@@ -398,6 +398,7 @@ async fn a_clock_that_runs_a_thousand_times_faster_than_a_busy_program_can_still
     within(controller.shutdown()).await;
 }
 
+/// Covers: K6.
 #[test]
 fn a_program_that_writes_for_ever_to_the_screen_keeps_its_last_lines_only() {
     let program = "PROGRAM chatter
@@ -420,6 +421,8 @@ END chatter
 }
 
 /// As on the real controller: nobody else is served while the first client says nothing, and nothing gives it up.
+///
+/// Covers: K1.
 #[tokio::test]
 async fn a_silent_client_blocks_the_server_and_the_state_view_says_so() {
     let cell = Stepped::start(&sock_server());

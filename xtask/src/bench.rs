@@ -42,7 +42,10 @@ pub(crate) fn run(which: Which, args: &[String]) -> Result<()> {
         Which::Bridge => binary("bridge", args),
         Which::Service => binary("service", args),
         Which::MobileBase => binary("mobile_base", args),
-        Which::Emulator => binary("emulator", args),
+        Which::Emulator => cargo(
+            &["run", "--release", "--package", "emulator-bench", "--"],
+            args,
+        ),
         Which::Footprint => {
             cargo(&["build", "--release", "--package", "cell"], &[])?;
             binary("footprint", args)

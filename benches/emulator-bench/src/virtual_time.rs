@@ -11,7 +11,7 @@ use kinematics::ArmModel;
 
 use crate::median;
 
-const SERVER: &str = include_str!("../../../../programs/sock_server.kl");
+const SERVER: &str = include_str!("../../../programs/sock_server.kl");
 
 /// Moves to and fro for ever.
 pub(crate) const SHUTTLE: &str = "PROGRAM shuttle
