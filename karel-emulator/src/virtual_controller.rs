@@ -9,7 +9,7 @@ use tokio_util::task::TaskTracker;
 
 use crate::alarms::{Alarm, Severity};
 use crate::clock::Clock;
-use crate::config::{ControllerConfig, Exposure};
+use crate::config::{ControlAccess, ControllerConfig, Exposure};
 use crate::controller::{CmosMemory, Controller, OperateError, Operation};
 use crate::driver::{Command, Driver, Lines, Visit};
 use crate::error::{ControllerStopped, StartError};
@@ -114,6 +114,16 @@ impl VirtualController {
     #[must_use]
     pub fn panel_address(&self) -> Option<SocketAddr> {
         self.panel
+    }
+
+    /// The panel's routes, for a server of the caller's own or for none at all. It answers only who asks with a loopback
+    /// name as `Host`.
+    pub fn panel_router(&self, access: ControlAccess) -> axum::Router {
+        panel::router(panel::Visitors {
+            commands: self.lines.commands.clone(),
+            states: self.lines.state.clone(),
+            access,
+        })
     }
 
     /// A snapshot.

@@ -2,8 +2,11 @@
 
 mod common;
 
-use common::{ACCEPTED, LINE, PORT, call, sock_server, wait_until, within};
-use karel_emulator::{Clock, PeerLabels, VirtualController};
+use common::{ACCEPTED, LINE, PORT, call, config_of, sock_server, wait_until, within};
+use karel_emulator::state::TaskWord;
+use karel_emulator::{
+    Clock, ControllerConfig, LedgerEvent, PeerLabels, ProgramSource, VirtualController,
+};
 
 #[tokio::test]
 async fn a_hundred_controllers_serve_in_one_process() {
@@ -19,6 +22,98 @@ async fn a_hundred_controllers_serve_in_one_process() {
     }
     for controller in &controllers {
         wait_until(controller, |state| !state.moving && state.ledger_seq == 2).await;
+    }
+    for controller in controllers {
+        within(controller.shutdown()).await;
+    }
+}
+
+/// Never rests, beside the server.
+const BUSY: &str = "PROGRAM busy
+%NOLOCKGROUP
+VAR n : INTEGER
+BEGIN
+  n = 0
+  WHILE TRUE DO
+    n = (n + 1) MOD 1000000
+    FLG[1] = ON
+  ENDWHILE
+END busy
+";
+
+/// Commands that each controller gets.
+const COMMANDS: u64 = 4;
+
+/// Every controller has targets of its own; every third has a task that never rests.
+fn loaded(number: u64) -> ControllerConfig {
+    let server = include_str!("../../programs/sock_server.kl");
+    let mut config = config_of(server, &[PORT]);
+    config.name = format!("arm-{number}");
+    if number.is_multiple_of(3) {
+        config.programs.push(ProgramSource::new("busy.kl", BUSY));
+        config.run = vec!["SOCK_SERVER".to_owned(), "BUSY".to_owned()];
+        config.limits.instructions_per_ms = 100;
+    }
+    config
+}
+
+/// Thousandths of a millimeter: y tells the controller, z the command.
+fn target(number: u64, command: u64) -> (u64, u64) {
+    (100_000 + 1_000 * number, 500_000 + 20_000 * command)
+}
+
+/// Covers: K6, K8.
+#[tokio::test]
+async fn a_hundred_loaded_controllers_do_what_each_was_told_and_starve_nobody() {
+    let controllers: Vec<_> = (0..100)
+        .map(|number| {
+            let clock = Clock::scaled(50.0).unwrap();
+            VirtualController::start(&loaded(number), clock, PeerLabels::new()).unwrap()
+        })
+        .collect();
+    let mut clients = tokio::task::JoinSet::new();
+    for (controller, number) in controllers.iter().zip(0..) {
+        let address = within(controller.address_of_port(PORT)).await.unwrap();
+        let _client = clients.spawn(async move {
+            for command in 1..=COMMANDS {
+                let (y, z) = target(number, command);
+                let line = format!("600000 {y} {z} -180000 30000 0 1500 1");
+                assert_eq!(call(address, line.as_bytes()).await, ACCEPTED, "{number}");
+            }
+        });
+    }
+    while let Some(client) = clients.join_next().await {
+        client.unwrap();
+    }
+    for (controller, number) in controllers.iter().zip(0..) {
+        wait_until(controller, |state| {
+            !state.moving && state.ledger_seq == 2 * COMMANDS
+        })
+        .await;
+        let ledger = controller.ledger().await.unwrap();
+        let told = (1..=COMMANDS).flat_map(|command| {
+            let (y, z) = target(number, command);
+            [LedgerEvent::Started, LedgerEvent::Finished].map(|event| (event, command, y, z))
+        });
+        let thousandths = |mm: f64| (mm * 1000.0).round();
+        let done = ledger.iter().map(|entry| {
+            let pose = entry.target_pose;
+            let (y, z) = (thousandths(pose.y_mm), thousandths(pose.z_mm));
+            (entry.event, entry.motion, y, z)
+        });
+        #[expect(clippy::cast_precision_loss, reason = "thousandths are below 2^52")]
+        let told: Vec<_> = told
+            .map(|(e, m, y, z)| (e, m, y as f64, z as f64))
+            .collect();
+        assert_eq!(done.collect::<Vec<_>>(), told, "controller {number}");
+        assert!(controller.alarms().await.unwrap().is_empty());
+        let state = controller.state().await.unwrap();
+        assert_eq!(state.controller, format!("arm-{number}"));
+        if number.is_multiple_of(3) {
+            let busy = state.tasks.iter().find(|task| task.name == "BUSY").unwrap();
+            assert_eq!(busy.state, TaskWord::Running, "{busy:?}");
+            assert!(state.ports.iter().any(|port| port.port == "FLG[1]"));
+        }
     }
     for controller in controllers {
         within(controller.shutdown()).await;

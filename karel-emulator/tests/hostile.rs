@@ -397,3 +397,58 @@ async fn a_clock_that_runs_a_thousand_times_faster_than_a_busy_program_can_still
     within(controller.abort_all()).await.unwrap();
     within(controller.shutdown()).await;
 }
+
+/// Covers: K6.
+#[test]
+fn a_program_that_writes_for_ever_to_the_screen_keeps_its_last_lines_only() {
+    let program = "PROGRAM chatter
+VAR n : INTEGER
+BEGIN
+  n = 0
+  WHILE TRUE DO
+    WRITE ('line', n, CR)
+    WRITE ('xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx')
+    n = n + 1
+  ENDWHILE
+END chatter
+";
+    let mut core = karel_emulator::Controller::try_new(&config_of(program, &[])).unwrap();
+    core.advance_fully(Duration::from_secs(2));
+    let screen = core.screen();
+    assert!(screen.len() <= 20, "{} lines", screen.len());
+    assert!(screen.iter().all(|line| line.chars().count() <= 80));
+    assert!(core.ledger(0).is_empty() && core.alarms().is_empty());
+}
+
+/// As on the real controller: nobody else is served while the first client says nothing, and nothing gives it up.
+///
+/// Covers: K1.
+#[tokio::test]
+async fn a_silent_client_blocks_the_server_and_the_state_view_says_so() {
+    let cell = Stepped::start(&sock_server());
+    let address = cell.address().await;
+    let mut silent = TcpStream::connect(address).await.unwrap();
+    let mut second = TcpStream::connect(address).await.unwrap();
+    second.write_all(LINE).await.unwrap();
+    wait_until(&cell.controller, |state| {
+        state.tags.iter().any(|tag| tag.state == "connected")
+    })
+    .await;
+    cell.advance(36_000.0).await;
+    let state = cell.controller.state().await.unwrap();
+    let task = state.tasks.first().unwrap();
+    assert_eq!(task.state, TaskWord::Waiting);
+    let detail = task.detail.as_deref().unwrap();
+    assert!(detail.contains("waits for bytes"), "{detail}");
+    let tag = state.tags.first().unwrap();
+    assert_eq!((tag.tag.as_str(), tag.state.as_str()), ("S3:", "connected"));
+    assert_eq!(tag.peer, Some(silent.local_addr().unwrap()));
+    assert!(cell.controller.ledger().await.unwrap().is_empty());
+    // It speaks at last, and then the second one has its turn.
+    silent.write_all(LINE).await.unwrap();
+    for client in [&mut silent, &mut second] {
+        let mut reply = String::new();
+        let _length = within(client.read_to_string(&mut reply)).await.unwrap();
+        assert_eq!(reply, common::ACCEPTED);
+    }
+}

@@ -18,6 +18,8 @@ pub(crate) enum Which {
     Service,
     /// Steps a second of the mobile base's control laws.
     MobileBase,
+    /// The virtual controller: statements a second beside Lua, controller time, a hundred of them, memory.
+    Emulator,
     /// Idle memory and time to the first response of the whole cell.
     Footprint,
 }
@@ -40,6 +42,10 @@ pub(crate) fn run(which: Which, args: &[String]) -> Result<()> {
         Which::Bridge => binary("bridge", args),
         Which::Service => binary("service", args),
         Which::MobileBase => binary("mobile_base", args),
+        Which::Emulator => cargo(
+            &["run", "--release", "--package", "emulator-bench", "--"],
+            args,
+        ),
         Which::Footprint => {
             cargo(&["build", "--release", "--package", "cell"], &[])?;
             binary("footprint", args)

@@ -21,6 +21,7 @@ const STEPS: &[Step] = &[
         // Here nothing is left out.
         test_with(&[], &python::with_fanucpy()?)
     }),
+    ("fuzzing", crate::fuzz::ci),
 ];
 
 /// Every step, in order; stops at the first that fails.

@@ -6,6 +6,7 @@ mod command;
 mod conformance;
 mod failures;
 mod fidelity;
+mod fuzz;
 mod openapi;
 mod python;
 
@@ -51,6 +52,8 @@ enum Task {
     Failures,
     /// Write docs/fidelity.md from docs/fidelity.toml and the source.
     Fidelity,
+    /// Fuzz what comes from outside, each target for a while.
+    Fuzz(fuzz::Options),
     /// Run a benchmark against the peer, both in one run.
     Bench {
         /// Which one.
@@ -71,6 +74,7 @@ fn main() -> Result<()> {
         Task::Openapi => openapi::write(),
         Task::Failures => failures::write(),
         Task::Fidelity => fidelity::write(),
+        Task::Fuzz(options) => fuzz::run(&options),
         Task::Bench { which, args } => bench::run(which, &args),
     }
 }

@@ -81,6 +81,8 @@ mod diagnostic;
 mod error;
 mod frame;
 mod generation;
+#[cfg(test)]
+mod golden_coverage;
 mod headers;
 mod host;
 mod include;

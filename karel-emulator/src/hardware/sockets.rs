@@ -18,6 +18,10 @@ const OPEN_FILES: usize = 64;
 impl Hardware {
     /// `MSG_CONNECT`: listens, waits, and reports the client. The machine makes a failure take its time.
     pub(super) fn connect(&mut self, task: TaskId, name: &str) -> Progress<Status> {
+        // Who lacks the option lacks the built-in, whatever it is called with; the task ends while it waits.
+        if self.lacks_sockets("MSG_CONNECT") {
+            return Progress::Pending(Wait::Connect(name.to_owned()));
+        }
         self.try_connect(task, name).unwrap_or_else(|status| {
             tracing::debug!(controller = %self.name, tag = name, "MSG_CONNECT fails with {status}.");
             if self.is_kind() {
@@ -34,9 +38,6 @@ impl Hardware {
             let name = tag.to_string();
             Progress::Pending(Wait::Connect(name.trim_end_matches(':').to_owned()))
         };
-        if self.lacks_sockets("MSG_CONNECT") {
-            return Ok(wait());
-        }
         let ask = if tag.is_client() {
             let server = self.server_of(tag, port)?;
             Effect::Connect { tag, server }

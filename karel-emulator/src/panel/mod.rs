@@ -50,7 +50,7 @@ pub(crate) async fn serve(
 }
 
 /// The routes of the panel.
-fn router(visitors: Visitors) -> Router {
+pub(crate) fn router(visitors: Visitors) -> Router {
     let commands = visitors.commands.clone();
     Router::new()
         .route("/", get(|| async { Html(PAGE) }))

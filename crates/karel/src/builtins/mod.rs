@@ -428,31 +428,4 @@ mod tests {
             );
         }
     }
-
-    /// Every built-in is in a golden program or in another test.
-    #[test]
-    fn every_built_in_is_used_by_a_test() {
-        let tests = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests");
-        let mut text = String::new();
-        for folder in ["cases", "cases/more", "suite"] {
-            for entry in std::fs::read_dir(tests.join(folder)).unwrap() {
-                let path = entry.unwrap().path();
-                if path
-                    .extension()
-                    .is_some_and(|end| end == "kl" || end == "rs")
-                {
-                    let bytes = std::fs::read(path).unwrap();
-                    text += &String::from_utf8_lossy(&bytes).to_ascii_uppercase();
-                }
-            }
-        }
-        let words: std::collections::BTreeSet<&str> = text
-            .split(|c: char| !c.is_ascii_alphanumeric() && c != '_')
-            .collect();
-        let unused: Vec<&str> = names()
-            .into_iter()
-            .filter(|name| !words.contains(name))
-            .collect();
-        assert!(unused.is_empty(), "{unused:?}");
-    }
 }

@@ -9,7 +9,7 @@ fn tokens(text: &str) -> String {
     let tokens = lex(&source, source.program(), &mut reports);
     let words = tokens
         .iter()
-        .filter(|token| token.span.start() < text.len())
+        .filter(|token| token.span.start() < source.bytes.len())
         .map(|token| {
             if token.kind == TokenKind::LineEnd {
                 "/".to_owned()

@@ -114,6 +114,7 @@ impl Exec<'_> {
             site,
         };
         let outcome = (site.builtin.code)(&mut context)?;
+        self.hear_own_deeds();
         match outcome {
             Outcome::Pending(wait) => return Ok(Flow::Blocked(wait)),
             Outcome::EndTask => return Ok(self.end_task()),
@@ -170,6 +171,13 @@ impl Exec<'_> {
         };
         self.push(Cell::Address(found.at.with_extra(extra)));
         Ok(Flow::Next)
+    }
+
+    /// A program that pauses, continues or ends another sees that in its own conditions, too.
+    pub(super) fn hear_own_deeds(&mut self) {
+        for signal in self.others.take_deeds() {
+            self.task.signal(signal);
+        }
     }
 
     /// If the instruction is a pause that was begun: whether it goes on waiting.

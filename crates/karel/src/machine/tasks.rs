@@ -20,6 +20,8 @@ pub(crate) struct Tasks {
     running: Option<(TaskId, Arc<str>)>,
     last: u32,
     changes: u64,
+    /// What the task that runs did to others and has not heard of yet.
+    deeds: Vec<Signal>,
 }
 
 impl Tasks {
@@ -96,14 +98,23 @@ impl Tasks {
         }
     }
 
-    /// Tells every task but the one that runs what happened.
+    /// Tells every task but the one that runs what happened; that one hears by [`Tasks::take_deeds`] what it did.
     pub(crate) fn broadcast(&mut self, signal: Signal) {
+        let runs = self.running.as_ref().map(|(id, _)| *id);
+        if runs.is_some_and(|id| matches!(signal, Signal::Task(_, of) if of != id)) {
+            self.deeds.push(signal);
+        }
         for (id, task) in &mut self.by_id {
             task.signal(signal);
             // What happens to a task itself is seen before it does anything else.
             let own = matches!(signal, Signal::Task(_, of) if of == *id);
             task.scan_now |= own && task.has_enabled_handlers() && is_alive(&task.state);
         }
+    }
+
+    /// What the task that runs did to others since it was asked last.
+    pub(crate) fn take_deeds(&mut self) -> Vec<Signal> {
+        std::mem::take(&mut self.deeds)
     }
 
     /// Says in other words how a task ended.
@@ -174,6 +185,7 @@ impl Tasks {
 
     pub(crate) fn put_back(&mut self, id: TaskId, task: Task) {
         self.running = None;
+        self.deeds.clear();
         let _none = self.by_id.insert(id, task);
     }
 }

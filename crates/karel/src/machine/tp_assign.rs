@@ -64,8 +64,8 @@ impl Exec<'_> {
             (Place::System(path), Term::Switch(on)) => {
                 self.tp_set_system(path, Value::Boolean(on))?;
             }
-            (place, value) => {
-                let message = format!("{place:?} cannot be {value:?}");
+            (_, value) => {
+                let message = format!("The target of this assignment cannot be {}", value.shown());
                 return Err(Fault::new(Status::INTP_TYPE, message));
             }
         }
@@ -122,7 +122,7 @@ impl Exec<'_> {
             | Term::Switch(_)
             | Term::Text(_)
             | Term::Position(_) => {
-                let message = format!("{}[{n}] cannot be {value:?}", port.name());
+                let message = format!("{}[{n}] cannot be {}", port.name(), value.shown());
                 return Err(Fault::new(Status::INTP_TYPE, message));
             }
         };

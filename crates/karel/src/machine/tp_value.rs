@@ -25,6 +25,20 @@ pub(super) enum Term {
     Position(PositionRegister),
 }
 
+impl Term {
+    /// The value as a message names it.
+    pub(super) fn shown(&self) -> String {
+        match self {
+            Term::Number(Number::Integer(value)) => value.to_string(),
+            Term::Number(Number::Real(value)) => value.to_string(),
+            Term::Switch(true) => "ON".to_owned(),
+            Term::Switch(false) => "OFF".to_owned(),
+            Term::Text(text) => format!("'{text}'"),
+            Term::Position(_) => "a position".to_owned(),
+        }
+    }
+}
+
 impl Exec<'_> {
     pub(super) fn tp_index(&self, index: Index) -> Result<i32, Fault> {
         let (name, register, number) = match index {

@@ -88,6 +88,7 @@ impl Exec<'_> {
                     }
                 }
             }
+            self.hear_own_deeds();
             return Flow::Next;
         }
         match verb {

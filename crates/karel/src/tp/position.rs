@@ -52,9 +52,10 @@ impl Scanner<'_> {
         let target = if self.eat("CONFIG") {
             self.expect(":")?;
             self.expect("'")?;
+            let from = self.here();
             let text = latin1(self.up_to(b'\'')?);
             let Some(config) = Config::parse(&text) else {
-                return Err(self.wrong(0, format!("'{text}' is not a configuration")));
+                return Err(self.wrong(from, format!("'{text}' is not a configuration")));
             };
             let _comma = self.eat(",");
             let [x, y, z] = self.values(["X", "Y", "Z"], "mm")?;
@@ -103,10 +104,11 @@ impl Scanner<'_> {
         for (name, value) in names.into_iter().zip(&mut values) {
             self.expect(name)?;
             self.expect("=")?;
+            let from = self.here();
             let text = self.number("a number")?;
             *value = match text.parse::<f32>() {
                 Ok(number) if number.is_finite() => number,
-                Ok(_) | Err(_) => return Err(self.wrong(0, format!("`{text}` is not a number"))),
+                Ok(_) | Err(_) => return Err(self.wrong(from, format!("`{text}` is not a number"))),
             };
             self.expect(unit)?;
             let _comma = self.eat(",");

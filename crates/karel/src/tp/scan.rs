@@ -109,9 +109,17 @@ impl<'a> Scanner<'a> {
             .map_err(|_| self.wrong(from, format!("`{text}` is not {what}")))
     }
 
-    /// What is between here and the character `end`, which is taken.
+    /// Where the next character is.
+    pub(super) fn here(&mut self) -> usize {
+        self.skip_blanks();
+        self.at
+    }
+
+    /// What is between here and the character `end` of the same line, which is taken.
     pub(super) fn up_to(&mut self, end: u8) -> Scanned<&'a [u8]> {
-        let Some(length) = self.rest().iter().position(|byte| *byte == end) else {
+        let stops = |byte: &u8| *byte == end || is_line_end(*byte);
+        let length = self.rest().iter().position(stops);
+        let Some(length) = length.filter(|length| self.rest().get(*length) == Some(&end)) else {
             return Err(self.expected(&format!("`{}`", char::from(end))));
         };
         let text = self.rest().get(..length).unwrap_or_default();
@@ -141,7 +149,8 @@ impl<'a> Scanner<'a> {
         let found = if rest.is_empty() {
             "the end of the line".to_owned()
         } else {
-            let text: String = rest.iter().take(20).map(|byte| char::from(*byte)).collect();
+            let line = rest.iter().take_while(|byte| !is_line_end(**byte));
+            let text: String = line.take(20).map(|byte| char::from(*byte)).collect();
             format!("`{}`", text.trim_end())
         };
         self.wrong(self.at, format!("expected {what}, found {found}"))
@@ -160,4 +169,8 @@ impl<'a> Scanner<'a> {
         self.at = self.bytes.len();
         self.wrong(0, format!("{what} is not supported yet"))
     }
+}
+
+fn is_line_end(byte: u8) -> bool {
+    matches!(byte, b'\r' | b'\n')
 }

@@ -177,6 +177,25 @@ fn what_is_not_run_yet_or_makes_no_sense_is_an_error_with_its_line() {
     }
 }
 
+/// Found by the fuzzer: the message quoted the line end, or half of the section, and pointed at its beginning.
+#[test]
+fn what_is_wrong_in_a_taught_position_is_said_on_one_line_at_its_place() {
+    let position = |body: &str| {
+        let text = format!("/PROG T\n/MN\n/POS\nP[1]{{\n  GP1:\n{body}\n}};\n/END\n");
+        let found = Program::parse_listing(text.as_bytes(), "t.ls").unwrap_err();
+        (found[0].message.clone(), found[0].line)
+    };
+    let cut = position("UF : 0, UT : 1,\nJ1 CNT50 deg");
+    assert_eq!(cut, ("expected `=`, found `CNT50 deg`".to_owned(), 7));
+    let quote = position("UF : 0, UT : 1, CONFIG : 'N U T\nX = 1 mm");
+    assert_eq!(quote.1, 6, "{}", quote.0);
+    assert_eq!(quote.0, "expected `'`, found `N U T`");
+    let number = position("UF : 0, UT : 1,\nJ1 = 1.2.3 deg");
+    assert_eq!(number, ("`1.2.3` is not a number".to_owned(), 7));
+    let config = position("UF : 0, UT : 1,\nCONFIG : 'X Y Z',");
+    assert_eq!(config, ("'X Y Z' is not a configuration".to_owned(), 7));
+}
+
 #[test]
 fn what_is_no_listing_gets_one_clear_message() {
     for (text, reason) in [

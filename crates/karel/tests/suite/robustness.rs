@@ -301,6 +301,25 @@ fn a_million_lines_are_counted() {
     assert!(refused[0].message.contains("at most 1048576"));
 }
 
+/// Found by the fuzzer: what is missing at the end of a line was one column further with CR LF.
+#[test]
+fn columns_do_not_depend_on_the_line_ends() {
+    let found = |source: &str, name: &str| {
+        let includes = karel::IncludeFiles::default();
+        let result = Program::from_file(source.as_bytes(), name, &includes);
+        let diagnostics = result.unwrap_err();
+        (diagnostics[0].line, diagnostics[0].column)
+    };
+    let sources = [
+        ("PROGRAM x\nVAR\n  a\nBEGIN\nEND x\n", "x.kl", (3, 4)),
+        ("/PROG X\n/MN\n   1:  R[1]=1 ;\n/POS\n", "x.ls", (4, 5)),
+    ];
+    for (source, name, place) in sources {
+        assert_eq!(found(source, name), place);
+        assert_eq!(found(&source.replace('\n', "\r\n"), name), place);
+    }
+}
+
 #[test]
 fn bytes_above_ascii_are_latin_1_in_texts_and_comments() {
     let source = b"PROGRAM t -- gr\xfc\xdfe\nBEGIN\nWRITE ('\xe9', ORD('\xff', 1))\nEND t\n";

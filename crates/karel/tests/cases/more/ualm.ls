@@ -1,0 +1,6 @@
+/PROG UALM
+/ATTR
+/MN
+   1:UALM[3] ;
+/POS
+/END

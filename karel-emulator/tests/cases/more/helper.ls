@@ -1,0 +1,8 @@
+/PROG  HELPER
+/ATTR
+OWNER = MNEDITOR;
+/MN
+   1:  R[10]=AR[1]+AR[2]    ;
+   2:  END ;
+/POS
+/END

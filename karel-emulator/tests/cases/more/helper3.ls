@@ -1,0 +1,7 @@
+/PROG  HELPER3
+/ATTR
+OWNER = MNEDITOR;
+/MN
+   1:  R[11]=1    ;
+/POS
+/END
