@@ -1,7 +1,5 @@
 //! The arm: motions in, ledger entries out.
 
-use std::time::Duration;
-
 use karel::{MotionId, MotionRequest, Progress, Status, TaskId, TpTarget, Value, Wait};
 use kinematics::PendantJoints;
 use units::MmPerSec;
@@ -349,7 +347,7 @@ impl Hardware {
     /// ASSUMPTION: 0.1 kW for the electronics, 0.15 kW for servos with power, and 5 W for each degree a second of each joint:
     /// enough to see a motion in a client's diagram, and no measurement.
     fn power_kw(&self) -> f32 {
-        const PERIOD: Duration = Duration::from_millis(1);
+        const PERIOD: std::time::Duration = std::time::Duration::from_millis(1);
         let Operator {
             emergency_stop,
             servo_off,
