@@ -45,6 +45,10 @@ pub(crate) fn with_fanucpy() -> Result<PathBuf> {
             "--quiet",
             "--no-deps",
             "--require-hashes",
+            "--retries",
+            "2",
+            "--timeout",
+            "20",
         ])
         .arg("--disable-pip-version-check")
         .arg("--requirement")

@@ -297,9 +297,33 @@ impl Hardware {
         self.follow_motions();
     }
 
+    /// `$PRO_CFG.$INS_PWR`.
+    ///
+    /// ASSUMPTION: 0.1 kW for the electronics, 0.15 kW for servos with power, and 5 W for each degree a second of each joint:
+    /// enough to see a motion in a client's diagram, and no measurement.
+    fn power_kw(&self) -> f32 {
+        const PERIOD: std::time::Duration = std::time::Duration::from_millis(1);
+        let Operator {
+            emergency_stop,
+            servo_off,
+            ..
+        } = self.operator;
+        if emergency_stop || servo_off {
+            return 0.1;
+        }
+        let now = self.executor.joints(self.now).degrees();
+        let before = self.executor.joints(self.now.saturating_sub(PERIOD));
+        let traveled = now.iter().zip(before.degrees()).map(|(a, b)| (a - b).abs());
+        let deg_per_s: f64 = traveled.sum::<f64>() / PERIOD.as_secs_f64();
+        #[expect(clippy::cast_possible_truncation, reason = "a few kilowatts")]
+        let moving = (0.005 * deg_per_s) as f32;
+        0.25 + moving
+    }
+
     pub(super) fn live(&self, live: crate::sysvars::Live) -> Value {
         match live {
             crate::sysvars::Live::RobotMoves => Value::Boolean(self.executor.is_moving()),
+            crate::sysvars::Live::Power => Value::Real(self.power_kw()),
             crate::sysvars::Live::SafetyStatus => Value::Integer(self.safety_status()),
             crate::sysvars::Live::ServoReady => Value::Boolean(self.drives_powered()),
             crate::sysvars::Live::FastClock => {

@@ -42,6 +42,8 @@ enum Source {
 /// Variables that follow the state of the controller and cannot be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Live {
+    /// What the arm consumes, kW.
+    Power,
     /// Milliseconds since power-on, wrapping.
     FastClock,
     /// Whether the arm moves.

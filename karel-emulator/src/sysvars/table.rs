@@ -157,14 +157,11 @@ impl Table {
         self.live("$MOR_GRP[1].$SERVO_READY", Kind::Boolean, Live::ServoReady);
         self.live("$MOR_GRP[1].$ROB_MOVE", Kind::Boolean, Live::RobotMoves);
         self.live("$FAST_CLOCK", ANY, Live::FastClock);
-        self.stored(
-            "$PRO_CFG.$INS_PWR",
-            Kind::Real {
-                above: -1.0,
-                max: 1e6,
-            },
-            Value::Real(0.0),
-        );
+        let power = Kind::Real {
+            above: -1.0,
+            max: 1e6,
+        };
+        self.live("$PRO_CFG.$INS_PWR", power, Live::Power);
         let version = Value::String(Text::from(generation.version()));
         self.stored("$SCR_GRP[1].$SV_CODE_ID", NAME, version);
         self.position("$NILPOS");

@@ -74,9 +74,22 @@ impl Fanucpy {
         address: SocketAddr,
         timeout_s: f64,
     ) -> Result<()> {
+        let gripper = (Some("RDO"), Some(7));
+        self.robot_with(rig, name, address, (timeout_s, gripper))
+            .await
+    }
+
+    /// The same with another gripper.
+    pub(crate) async fn robot_with(
+        &mut self,
+        rig: &Rig,
+        name: &str,
+        address: SocketAddr,
+        (timeout_s, (kind, number)): (f64, (Option<&str>, Option<u16>)),
+    ) -> Result<()> {
         let options = json!({
             "robot_model": "Fanuc", "host": address.ip().to_string(), "port": address.port(),
-            "ee_DO_type": "RDO", "ee_DO_num": 7, "socket_timeout": timeout_s,
+            "ee_DO_type": kind, "ee_DO_num": number, "socket_timeout": timeout_s,
         });
         let request = json!({ "robot": name, "new": options });
         match self.request(rig, request).await? {

@@ -130,10 +130,22 @@ async fn moving(files: &Files, fanucpy: &mut Fanucpy, table: &mut Table) -> Resu
             }
             tokio::task::yield_now().await;
         }
-        anyhow::Ok(seen)
+        let power = logger.ask("ins_pwr\n").await?;
+        anyhow::Ok((seen, power))
     };
     let (moved, on_the_way) = tokio::join!(moved, looking);
-    let on_the_way = on_the_way?;
+    let (on_the_way, power) = on_the_way?;
+    let kilowatts = power
+        .strip_prefix("0:")
+        .map(|text| text.trim().parse::<f64>());
+    let more = matches!(kilowatts, Some(Ok(kw)) if kw > 0.3);
+    table.put(
+        "T2.2",
+        "ins_pwr while the arm moves",
+        "more than 0.25 kW",
+        power,
+        more,
+    );
     table.same("T2.3", "move('joint')", success(), moved?);
     let different = on_the_way.first() != on_the_way.last();
     let good = different && on_the_way.iter().all(|answer| answer.starts_with("0:x="));
@@ -361,7 +373,51 @@ async fn ports(
     };
     table.same("T2.4", what, expected, seen);
     rig.stop().await;
+    grippers(files, fanucpy, table).await?;
     beyond(files, whose, fanucpy, table).await
+}
+
+/// A gripper on a digital output, and those that the client refuses.
+async fn grippers(files: &Files, fanucpy: &mut Fanucpy, table: &mut Table) -> Result<()> {
+    let rig = start(files).await?;
+    let server = rig.port(SERVER).await?;
+    let refused = |text: &str| Outcome::Raised(format!("ValueError: {text}"));
+    for (what, gripper, expected) in [
+        ("gripper(True), DOUT[12]", (Some("DO"), Some(12)), success()),
+        (
+            "gripper(True), type XY",
+            (Some("XY"), Some(1)),
+            refused("Wrong DO type!"),
+        ),
+        (
+            "gripper(True), none",
+            (None, None),
+            refused("DO type or number is None!"),
+        ),
+    ] {
+        fanucpy
+            .robot_with(&rig, "gripper", server, (30.0, gripper))
+            .await?;
+        let _greeting = fanucpy.call(&rig, "gripper", "connect", json!({})).await?;
+        let arguments = json!({ "value": true });
+        let seen = fanucpy.call(&rig, "gripper", "gripper", arguments).await?;
+        table.same("T2.4", what, expected, seen);
+        let _gone = fanucpy
+            .call(&rig, "gripper", "disconnect", json!({}))
+            .await?;
+    }
+    let state = rig.state().await?;
+    let on: Vec<String> = state.ports.iter().map(|port| port.port.clone()).collect();
+    table.same("T2.4", "outputs that are on", "DOUT[12]", &on.join(" "));
+    let arguments = json!({ "resp": "7:x" });
+    let seen = fanucpy
+        .call(&rig, "gripper", "handle_response", arguments)
+        .await?;
+    let expected =
+        Outcome::Raised("FanucError: Unknown response code: 7 and message: x".to_owned());
+    table.same("T2.4", "handle_response('7:x')", expected, seen);
+    rig.stop().await;
+    Ok(())
 }
 
 /// Ports and programs that the controller does not have.

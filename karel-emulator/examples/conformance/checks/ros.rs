@@ -116,6 +116,7 @@ pub(crate) async fn observe(files: &Files) -> Result<Table> {
     tag_not_started(files, &mut table).await?;
     slower_loop(files, &mut table).await?;
     entered_before(files, &mut table).await?;
+    little_endian(files, &mut table).await?;
     Ok(table)
 }
 
@@ -351,6 +352,8 @@ async fn trajectory(rig: &Rig, table: &mut Table) -> Result<()> {
         &seen,
     );
 
+    unusual(rig, &mut client, &mut bytes, table).await?;
+
     // A message that arrives byte by byte.
     let point = Message::point(11, target).bytes();
     for byte in point {
@@ -369,6 +372,50 @@ async fn trajectory(rig: &Rig, table: &mut Table) -> Result<()> {
         .until(60.0, |state| near_all(&state.joints_deg.into(), target))
         .await?;
     table.same("T3.5", "the arm gets there", true, reached);
+    Ok(())
+}
+
+/// The short form of a point, and a length that is not true: neither is looked at.
+async fn unusual(
+    rig: &Rig,
+    client: &mut Client<'_>,
+    bytes: &mut Vec<u8>,
+    table: &mut Table,
+) -> Result<()> {
+    let target = [5.0, 5.0, -5.0, 0.0, -80.0, 0.0];
+    let mut short = Message::point(12, target);
+    short.kind = JOINT_POSITION;
+    short.body.truncate(11);
+    let mut lies = short.bytes();
+    drop(lies.splice(..4, 9_999_i32.to_be_bytes()));
+    for (what, message) in [
+        ("a JOINT_POSITION of 60 bytes: its answer", short.bytes()),
+        ("a LENGTH of 9999: the answer", lies),
+    ] {
+        client.send(&message).await?;
+        let reply = next(client, bytes).await?;
+        table.same(
+            "T3.5",
+            what,
+            "type 10, comm 3, reply 1, seq 12",
+            &reply.head(),
+        );
+    }
+    let reached = rig
+        .until(60.0, |state| near_all(&state.joints_deg.into(), target))
+        .await?;
+    table.same("T3.5", "the arm gets there", true, reached);
+    client.send(&Message::point(-5, target).bytes()).await?;
+    rig.pass(1.0).await?;
+    let found = client.next(2.0).await?;
+    table.same(
+        "T3.7",
+        "answer to seq -5",
+        Found::Silence.text(),
+        found.text(),
+    );
+    let logged = rig.screen_has("unknown seq nr:").await?;
+    table.same("T3.7", "'unknown seq nr:' in the log", true, logged);
     Ok(())
 }
 
@@ -538,6 +585,26 @@ fn state_server(files: &Files, loop_hz: &str) -> Result<ControllerConfig> {
     let rate = ("[ROS_STATE]CFG_.LOOP_HZ".to_owned(), loop_hz.to_owned());
     config.presets.push(rate);
     Ok(config)
+}
+
+/// The order of bytes of the vendor's simulator.
+async fn little_endian(files: &Files, table: &mut Table) -> Result<()> {
+    let mut config = state_server(files, "42")?;
+    config.byte_order = karel::ByteOrder::Little;
+    let rig = Rig::start(&config).await?;
+    let mut client = rig.connect(STATE).await?;
+    let Found::Bytes(bytes) = client.next(5.0).await? else {
+        bail!("there is no message");
+    };
+    let expected = "38000000 0a000000 01000000 00000000 00000000";
+    table.same(
+        "T3.3",
+        "the first message, little endian",
+        expected,
+        &hex(&bytes, 20),
+    );
+    rig.stop().await;
+    Ok(())
 }
 
 /// The command line of the documentation: everything is entered before the first statement.
