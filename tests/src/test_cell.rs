@@ -119,7 +119,10 @@ impl TestCell {
             };
             let finished = ledger
                 .iter()
-                .filter(|entry| entry.event == karel_emulator::LedgerEvent::Finished)
+                .filter(|entry| {
+                    use karel_emulator::LedgerEvent::{Finished, Passed};
+                    matches!(entry.event, Finished | Passed)
+                })
                 .count();
             if finished >= motions && !state.moving && state.motion_queue == 0 {
                 Look::Ready(state)
