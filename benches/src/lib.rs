@@ -6,4 +6,5 @@
 
 pub mod arms;
 pub mod compare;
+pub mod control;
 pub mod processes;

@@ -105,6 +105,11 @@ pub(crate) enum TypeKind {
         element: Box<TypeExpr>,
     },
     Structure(Vec<Param>),
+    /// `PATH PATHHEADER = t, NODEDATA = t`.
+    Path {
+        header: Option<Box<TypeExpr>>,
+        node: Option<Box<TypeExpr>>,
+    },
 }
 
 #[derive(Debug)]
@@ -159,7 +164,16 @@ pub(crate) struct Path {
 #[derive(Debug)]
 pub(crate) enum PathStep {
     Field(Name),
-    Index { subscripts: Vec<Expr>, span: Span },
+    Index {
+        subscripts: Vec<Expr>,
+        span: Span,
+    },
+    /// `[first..last]`, nodes of a PATH.
+    Range {
+        first: Box<Expr>,
+        last: Box<Expr>,
+        span: Span,
+    },
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -315,8 +329,8 @@ pub(crate) enum StmtKind {
     /// `DISCONNECT TIMER variable`.
     DisconnectTimer(Path),
     WaitFor(Conditions),
-    MoveTo {
-        target: Expr,
+    Move {
+        form: MoveForm,
         /// `VIA`: a position on the arc of a circular motion.
         via: Option<Expr>,
         waits: Waits,
@@ -359,8 +373,33 @@ pub(crate) enum StmtKind {
         verb: HandVerb,
         number: Expr,
     },
-    /// Legal KAREL that this crate does not run yet; holds its name.
-    Unsupported(String),
+}
+
+/// Where a MOVE goes.
+#[derive(Debug)]
+pub(crate) enum MoveForm {
+    To(Expr),
+    /// `NEAR p BY d`: short of a position, along its approach.
+    Near {
+        target: Expr,
+        distance: Expr,
+    },
+    /// `AXIS n BY d`: one joint.
+    Axis {
+        axis: Expr,
+        distance: Expr,
+    },
+    /// `RELATIVE v`: from where the tool is, in the user frame.
+    Relative(Expr),
+    /// `ABOUT v BY a`: turns the tool.
+    About {
+        vector: Expr,
+        angle: Expr,
+    },
+    /// `AWAY d`: back from where the tool is.
+    Away(Expr),
+    /// `ALONG path`, `ALONG path[i..j]`.
+    Along(Path),
 }
 
 /// Conditions of a WHEN, an UNTIL or a WAIT FOR.
@@ -393,6 +432,18 @@ pub(crate) enum Condition {
         port: Path,
         edge: Edge,
     },
+    /// `AT NODE[n]`; `AT NODE[*]` is any.
+    AtNode {
+        node: Option<Expr>,
+        at: Span,
+    },
+    /// `TIME t BEFORE NODE[n]`, `TIME t AFTER NODE[n]`, in milliseconds.
+    NodeTime {
+        time: Expr,
+        side: NodeSide,
+        node: Expr,
+        at: Span,
+    },
 }
 
 /// Conditions and what is done when they hold.
@@ -407,6 +458,12 @@ pub(crate) struct When {
 pub(crate) enum Edge {
     Rising,
     Falling,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum NodeSide {
+    Before,
+    After,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -485,6 +542,7 @@ words! {
         Cancel "CANCEL" Stop "STOP" Resume "RESUME" Hold "HOLD" Unhold "UNHOLD" Attach "ATTACH"
         Release "RELEASE"
     }
+    NodeSide { Before "BEFORE" After "AFTER" }
     HandVerb { Open "OPEN" Close "CLOSE" Relax "RELAX" }
 }
 

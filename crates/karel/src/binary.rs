@@ -6,6 +6,7 @@
 use crate::{
     host::{Input, InputEnd},
     ir::ScalarType,
+    position::{Config, Elbow, Front, Wrist},
     run::ByteOrder,
     status::Status,
     text_reader::{ReadResult, ReadValue},
@@ -15,7 +16,9 @@ use crate::{
 /// Bytes of a number.
 fn size(ty: ScalarType) -> Option<usize> {
     match ty {
-        ScalarType::Integer | ScalarType::Real | ScalarType::Boolean => Some(4),
+        ScalarType::Integer | ScalarType::Real | ScalarType::Boolean | ScalarType::Config => {
+            Some(4)
+        }
         ScalarType::Short => Some(2),
         ScalarType::Byte => Some(1),
         ScalarType::Text => None,
@@ -49,7 +52,9 @@ pub(crate) fn read_item(
             let kept = bytes.get(..wanted.min(length as usize)).unwrap_or_default();
             ReadValue::Text(Text::from(kept))
         }
-        ScalarType::Integer => ReadValue::Integer(word(bytes, order).cast_signed()),
+        ScalarType::Integer | ScalarType::Config => {
+            ReadValue::Integer(word(bytes, order).cast_signed())
+        }
         ScalarType::Boolean => ReadValue::Boolean(word(bytes, order) != 0),
         ScalarType::Real => {
             let value = f32::from_bits(word(bytes, order));
@@ -86,6 +91,35 @@ pub(crate) fn number(out: &mut Vec<u8>, word: u32, ty: ScalarType, order: ByteOr
     match order {
         ByteOrder::Big => out.extend(word.to_be_bytes().iter().skip(4 - size)),
         ByteOrder::Little => out.extend(word.to_le_bytes().iter().take(size)),
+    }
+}
+
+/// A configuration as four bytes.
+///
+/// ASSUMPTION: the turns of J4, J5 and J6 from the lowest byte on, then a bit each for F, D and B.
+pub(crate) fn config_word(config: Config) -> u32 {
+    let [j4, j5, j6] = config.turns.map(i8::cast_unsigned);
+    let bits = [
+        config.wrist == Wrist::Flip,
+        config.elbow == Elbow::Down,
+        config.front == Front::Back,
+    ];
+    let bits = bits
+        .iter()
+        .rev()
+        .fold(0, |bits, bit| bits << 1 | u8::from(*bit));
+    u32::from_be_bytes([bits, j6, j5, j4])
+}
+
+/// The configuration of [`config_word`].
+pub(crate) fn config(word: u32) -> Config {
+    let [bits, j6, j5, j4] = word.to_be_bytes();
+    let pick = |bit: u8| bits & (1 << bit) != 0;
+    Config {
+        wrist: if pick(0) { Wrist::Flip } else { Wrist::NoFlip },
+        elbow: if pick(1) { Elbow::Down } else { Elbow::Up },
+        front: if pick(2) { Front::Back } else { Front::Toward },
+        turns: [j4, j5, j6].map(u8::cast_signed),
     }
 }
 

@@ -17,9 +17,15 @@ use crate::{
 pub struct Cmos {
     /// The scalars of each variable in order; `None` for one that is uninitialized.
     pub programs: BTreeMap<String, BTreeMap<String, Vec<Option<Scalar>>>>,
+    /// The nodes of each PATH, a list of scalars for each.
+    #[serde(default)]
+    pub paths: BTreeMap<String, BTreeMap<String, PathNodes>>,
     /// The registers.
     pub registers: Registers,
 }
+
+/// The scalars of each node in order; `None` for one that is uninitialized.
+pub type PathNodes = Vec<Vec<Option<Scalar>>>;
 
 /// One scalar value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -46,7 +52,7 @@ impl Scalar {
             Cell::Boolean(value) => Some(Scalar::Boolean(*value)),
             Cell::Text(value) => Some(Scalar::String(value.to_string_lossless())),
             Cell::Config(value) => Some(Scalar::Config(*value)),
-            Cell::Uninit | Cell::File(_) | Cell::Address(_) => None,
+            Cell::Uninit | Cell::File(_) | Cell::Path(_) | Cell::Address(_) => None,
         }
     }
 

@@ -95,6 +95,28 @@ impl Frame {
         }
     }
 
+    /// The same orientation elsewhere.
+    pub(crate) fn moved(&self, by: Vector) -> Frame {
+        Frame {
+            axes: self.axes,
+            origin: self.origin.plus(by),
+        }
+    }
+
+    /// Turned in its origin by an angle in degrees about a direction of length 1.
+    pub(crate) fn turned(&self, about: Vector, angle_deg: f64) -> Frame {
+        let (sin, cos) = angle_deg.to_radians().sin_cos();
+        Frame {
+            axes: self.axes.map(|axis| {
+                let along = about.times(about.dot(axis) * (1.0 - cos));
+                axis.times(cos)
+                    .plus(about.cross(axis).times(sin))
+                    .plus(along)
+            }),
+            origin: self.origin,
+        }
+    }
+
     pub(crate) fn inverse(&self) -> Frame {
         let [x, y, z] = self.axes;
         let column = |n: usize| {

@@ -21,6 +21,12 @@ use crate::{
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct FileId(pub u32);
 
+impl FileId {
+    /// The keyboard of the pendant, which needs no OPEN: what an operator types is its
+    /// [`Host::input`]. A host must give this number to no file of its own.
+    pub const KEYBOARD: FileId = FileId(u32::MAX);
+}
+
 /// A motion that was started, named by the host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct MotionId(pub u64);
@@ -118,6 +124,10 @@ pub struct MotionRequest {
     pub target: XyzwprExt,
     /// `VIA`: a position on the arc of a circular motion.
     pub via: Option<XyzwprExt>,
+    /// `MOVE AXIS`: the joints that are meant, in place of the target, which is where the tool is.
+    pub joints: Option<JointPosition>,
+    /// How it gets there.
+    pub path: MotionPath,
     /// Motion group, from 1.
     pub group: i32,
     /// Whether the statement waits.
@@ -126,6 +136,16 @@ pub struct MotionRequest {
     pub program: Arc<str>,
     /// Physical source line of the statement, from 1.
     pub line: u32,
+}
+
+/// How a motion of a KAREL program gets to its target.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum MotionPath {
+    /// As `$MOTYPE` says.
+    #[default]
+    AsSet,
+    /// On a straight line, whatever `$MOTYPE` says: RELATIVE, AWAY, ABOUT.
+    Straight,
 }
 
 /// How a motion of a TP program gets to its target.
@@ -270,7 +290,7 @@ pub trait Host {
     /// Breaks reads and writes in progress. Output that was written is not discarded.
     fn cancel_file(&mut self, file: FileId) -> Status;
 
-    /// Bytes received and not yet consumed.
+    /// Bytes received and not yet consumed; of [`FileId::KEYBOARD`], what was typed.
     fn input(&self, file: FileId) -> Input<'_>;
 
     /// Drops the first `count` bytes of [`Host::input`]; `count` is at most their number.
@@ -326,6 +346,26 @@ pub trait Host {
         _value: PortValue,
     ) -> Result<(), Status> {
         Err(Status::PRIO_PORT_NUMBER)
+    }
+
+    /// Whether programs see another value of a port than the world puts on it.
+    fn port_is_simulated(&self, _port: Port, _number: i32) -> bool {
+        false
+    }
+
+    /// Lets programs see this value of a port, or again what the world puts on it.
+    ///
+    /// # Errors
+    /// As [`Host::port`]; [`Status::INTP_ARGUMENT`] for a port that cannot be simulated. A host that
+    /// simulates nothing keeps this answer.
+    fn simulate_port(
+        &mut self,
+        _task: TaskId,
+        _port: Port,
+        _number: i32,
+        _value: Option<PortValue>,
+    ) -> Result<(), Status> {
+        Err(Status::INTP_ARGUMENT)
     }
 
     /// Where `$UTOOL` is in `$UFRAME` now, with the configuration filled in. `group` from 1.
@@ -398,6 +438,11 @@ pub trait Host {
 
     /// Status 0 when the motion met its termination criterion; another status ends the task.
     fn motion_ended(&mut self, motion: MotionId) -> Progress<Status>;
+
+    /// How long a motion that runs takes from now on; `None` if nobody knows.
+    fn motion_left(&self, _motion: MotionId) -> Option<Duration> {
+        None
+    }
 
     /// `CANCEL`: the arm brakes, whoever moves it. A MOVE that waits for it goes on as if it had
     /// arrived: [`Host::motion_ended`] answers with status 0.

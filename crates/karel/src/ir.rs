@@ -4,10 +4,13 @@
 //! positions stay in memory and are named by the address of their first cell. Everything an
 //! instruction needs beyond a number lies in a table of [`Code`].
 
-use std::sync::Arc;
+use std::{collections::BTreeMap, sync::Arc};
 
 use crate::{
-    ast::{Action, ConditionVerb, Edge, HandVerb, MotionVerb, Relation, Signaled, TaskVerb, Waits},
+    ast::{
+        Action, ConditionVerb, Edge, HandVerb, MotionVerb, NodeSide, Relation, Signaled, TaskVerb,
+        Waits,
+    },
     builtins::Builtin,
     port::Port,
     syspath::SysPath,
@@ -114,6 +117,17 @@ pub(crate) enum Rare {
         least: i32,
         most: i32,
     },
+    /// Subscripts above the address of an open array of so many dimensions.
+    OpenGrid {
+        dims: u8,
+        element_cells: u32,
+    },
+    /// Push what is at an address, if it has no value, too.
+    LoadAny,
+    /// As `LoadAny`, of a configuration, which has a default value.
+    LoadConfig,
+    /// A subscript above the address of a PATH: the address of the node.
+    Node,
     /// Copies joints: a source address above a target address, and their cells.
     CopyJoints {
         from: u32,
@@ -144,6 +158,8 @@ pub(crate) enum Outward {
     FetchSystem(u32),
     /// Stores after an output argument was written, uninitialized or not.
     ReturnSystem(u32),
+    /// The names of a program and of a variable become its address; by a row of the table of types.
+    ByName(u32),
     /// Its number on the stack.
     LoadPort(Port),
     /// Its number above the value.
@@ -189,11 +205,40 @@ pub(crate) enum Outward {
     ConnectTimer,
     /// The address of the variable.
     DisconnectTimer,
-    Move(Waits),
-    /// As `Move`; the position below the target is on the arc.
-    MoveVia(Waits),
+    /// What it needs on the stack.
+    Move(MoveKind, Waits),
+    /// The address of a PATH, its first and last node or none; by a row of the table of nodes.
+    MoveAlong(u32, Waits),
     /// An instruction of a TP program, by a row of its table.
     Tp(u32),
+}
+
+/// What a MOVE finds on the stack, the last one on top.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum MoveKind {
+    /// A position.
+    To,
+    /// A position on the arc and a position.
+    Via,
+    /// A position and a distance.
+    Near,
+    /// A position on the arc, a position and a distance.
+    NearVia,
+    /// The number of a joint and a distance.
+    Axis,
+    /// A vector.
+    Relative,
+    /// A vector and an angle.
+    About,
+    /// A distance.
+    Away,
+}
+
+/// Where the position is in the nodes of a PATH.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct NodeShape {
+    pub(crate) offset: u32,
+    pub(crate) kind: PositionKind,
 }
 
 /// What a condition asks of the signals that a task has seen.
@@ -208,6 +253,11 @@ pub(crate) enum SignalTest {
     Own(TaskVerb),
     /// Of the task with this number.
     Of(TaskVerb),
+    /// A node of a MOVE ALONG was reached: this one, or any.
+    Node,
+    AnyNode,
+    /// The time, in milliseconds, and a node.
+    Time(NodeSide),
 }
 
 /// A condition handler: code for its conditions and its actions.
@@ -238,8 +288,14 @@ pub(crate) struct Code {
     pub(crate) reads: Vec<ReadShape>,
     pub(crate) writes: Vec<WriteShape>,
     pub(crate) handlers: Vec<HandlerShape>,
+    /// Types of what BYNAME finds.
+    pub(crate) types: Vec<Type>,
+    /// Nodes of the paths of MOVE ALONG.
+    pub(crate) nodes: Vec<NodeShape>,
     /// Instructions of a TP program.
     pub(crate) tp: Vec<crate::tp::Instruction>,
+    /// Positions of a TP program.
+    pub(crate) positions: BTreeMap<i32, Arc<crate::tp::Taught>>,
     /// Routines of other programs that are called.
     pub(crate) externals: Vec<External>,
     /// The main body first.
@@ -365,6 +421,13 @@ pub(crate) enum ReadPart {
     LineEnd,
 }
 
+impl ReadPart {
+    pub(crate) fn is_config(&self) -> bool {
+        let config = ScalarType::Config;
+        matches!(self, ReadPart::Value { ty, .. } if *ty == config)
+    }
+}
+
 #[derive(Debug)]
 pub(crate) struct WriteShape {
     pub(crate) to_file: bool,
@@ -378,6 +441,8 @@ pub(crate) enum WritePart {
     Value {
         ty: ScalarType,
         formats: u32,
+        /// A number behind others of a position or an array: a blank is before it.
+        follows: bool,
     },
     LineEnd,
 }
@@ -389,6 +454,7 @@ pub(crate) enum ScalarType {
     Real,
     Boolean,
     Text,
+    Config,
     /// Elements of arrays and fields; INTEGERs everywhere else.
     Short,
     Byte,

@@ -108,13 +108,13 @@ mod typed;
 mod types;
 mod value;
 
-pub use cmos::{Cmos, Scalar};
+pub use cmos::{Cmos, PathNodes, Scalar};
 pub use diagnostic::{Diagnostic, Severity, render};
 pub use error::{CallSite, RuntimeError};
 pub use host::{
     AlarmSeverity, AlarmView, FileId, FileOperation, HandAction, Host, Input, InputEnd,
-    Interpolation, MotionId, MotionRequest, MoveEnd, OpenMode, ProgramAlarm, Progress, TaskId,
-    TpMotion, TpSpeed, TpTarget, Wait,
+    Interpolation, MotionId, MotionPath, MotionRequest, MoveEnd, OpenMode, ProgramAlarm, Progress,
+    TaskId, TpMotion, TpSpeed, TpTarget, Wait,
 };
 pub use include::{IncludeFile, IncludeFiles, Includes};
 pub use machine::{LoadError, Machine, StartError, VariableView};

@@ -40,6 +40,43 @@ impl Comments {
     }
 }
 
+/// What programs say of ports and what changes nothing here: assignments and modes.
+#[derive(Debug, Default)]
+pub(crate) struct PortSetup {
+    assignments: BTreeMap<(Port, i32), [i32; 5]>,
+    modes: BTreeMap<(Port, i32), i32>,
+}
+
+impl PortSetup {
+    const MOST: usize = 1 << 12;
+
+    /// `false` if there are too many.
+    pub(crate) fn assign(&mut self, port: (Port, i32), values: [i32; 5]) -> bool {
+        let fits = self.assignments.len() < PortSetup::MOST;
+        if fits {
+            let _before = self.assignments.insert(port, values);
+        }
+        fits
+    }
+
+    pub(crate) fn assignment(&self, port: (Port, i32)) -> Option<[i32; 5]> {
+        self.assignments.get(&port).copied()
+    }
+
+    /// `false` if there are too many.
+    pub(crate) fn set_mode(&mut self, port: (Port, i32), mode: i32) -> bool {
+        let fits = self.modes.len() < PortSetup::MOST;
+        if fits {
+            let _before = self.modes.insert(port, mode);
+        }
+        fits
+    }
+
+    pub(crate) fn mode(&self, port: (Port, i32)) -> i32 {
+        self.modes.get(&port).copied().unwrap_or(0)
+    }
+}
+
 /// An array of ports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Port {

@@ -1,6 +1,9 @@
 //! A program that was parsed, checked and lowered.
 
-use std::{collections::HashMap, sync::Arc};
+use std::{
+    collections::{BTreeMap, HashMap},
+    sync::Arc,
+};
 
 use crate::{
     check,
@@ -24,13 +27,19 @@ pub struct Program {
     pub(crate) globals: HashMap<String, (u32, Type)>,
     pub(crate) global_cells: u32,
     pub(crate) global_files: Vec<u32>,
-    /// Those of them that are windows of the pendant.
+    /// Types that it declares.
+    pub(crate) types: HashMap<String, Type>,
+    /// PATH variables, and the size of a node of each.
+    pub(crate) global_paths: Vec<(u32, u32)>,
+    /// FILE variables that are windows of the pendant.
     pub(crate) windows: Vec<u32>,
     /// Names of the variables that keep their values without power.
     pub(crate) persistent: Vec<String>,
     /// Variables of other programs.
     pub(crate) shared: Vec<SharedVariable>,
     pub(crate) attributes: Attributes,
+    /// A TP program.
+    pub(crate) is_listing: bool,
 }
 
 impl Program {
@@ -70,12 +79,15 @@ impl Program {
             warnings: reports.into_diagnostics(&source),
             code,
             globals: checked.globals,
+            types: checked.types,
             global_cells: checked.global_cells,
             global_files: checked.global_files,
+            global_paths: checked.global_paths,
             windows: checked.windows,
             persistent: checked.persistent,
             shared: checked.shared,
             attributes: checked.attributes,
+            is_listing: false,
         })
     }
 
@@ -92,20 +104,37 @@ impl Program {
         let Some(listing) = listing.filter(|_| !reports.has_errors()) else {
             return Err(reports.into_diagnostics(&source));
         };
-        let name: Arc<str> = listing.name.as_str().into();
-        let code = lower::listing(&name, listing.instructions);
-        Ok(Program {
+        Ok(Program::of_listing(
+            &listing.name,
+            listing.instructions,
+            listing.positions,
+        ))
+    }
+
+    /// A TP program of instructions and positions.
+    pub(crate) fn of_listing(
+        name: &str,
+        instructions: Vec<tp::Instruction>,
+        positions: BTreeMap<i32, Arc<tp::Taught>>,
+    ) -> Program {
+        let name: Arc<str> = name.into();
+        let mut code = lower::listing(&name, instructions);
+        code.positions = positions;
+        Program {
             name,
             warnings: Vec::new(),
             code,
             globals: HashMap::new(),
+            types: HashMap::new(),
             global_cells: 0,
             global_files: Vec::new(),
+            global_paths: Vec::new(),
             windows: Vec::new(),
             persistent: Vec::new(),
             shared: Vec::new(),
             attributes: Attributes::default(),
-        })
+            is_listing: true,
+        }
     }
 
     /// Translates a program by the kind that its file name says: `.ls` is a listing of a TP program,

@@ -3,8 +3,9 @@
 use std::fmt::Write as _;
 
 use crate::ast::{
-    Condition, Conditions, Decl, Dim, Direction, Edge, Expr, ExprKind, Item, ItemKind, Param, Path,
-    PathStep, Program, Routine, RoutineBody, Stmt, StmtKind, TypeExpr, TypeKind, Waits, When,
+    Condition, Conditions, Decl, Dim, Direction, Edge, Expr, ExprKind, Item, ItemKind, MoveForm,
+    Param, Path, PathStep, Program, Routine, RoutineBody, Stmt, StmtKind, TypeExpr, TypeKind,
+    Waits, When,
 };
 
 /// One line for each declaration and statement, indented by nesting.
@@ -193,15 +194,15 @@ impl Printer {
             StmtKind::Delay(time) => self.line(&format!("(delay {})", expr(time))),
             StmtKind::ConnectTimer(timer) => self.timer("connect", timer),
             StmtKind::DisconnectTimer(timer) => self.timer("disconnect", timer),
-            StmtKind::MoveTo {
-                target,
+            StmtKind::Move {
+                form,
                 via,
                 waits,
                 whens,
                 until,
             } => {
                 let word = if *waits == Waits::No { " nowait" } else { "" };
-                let mut head = format!("move-to {}", expr(target));
+                let mut head = move_form(form);
                 if let Some(via) = via {
                     let _ = write!(head, " (via {})", expr(via));
                 }
@@ -258,7 +259,6 @@ impl Printer {
                 let word = verb.text().to_ascii_lowercase();
                 self.line(&format!("({word}-hand {})", expr(number)));
             }
-            StmtKind::Unsupported(what) => self.line(&format!("(unsupported {what:?})")),
         }
     }
 
@@ -303,6 +303,34 @@ fn condition(condition: &Condition) -> String {
             let sign = if *edge == Edge::Rising { "+" } else { "-" };
             format!("(edge{sign} {})", path(port))
         }
+        Condition::AtNode { node: None, .. } => "(at-node *)".to_owned(),
+        Condition::AtNode {
+            node: Some(node), ..
+        } => numbered("at-node", node),
+        Condition::NodeTime {
+            time, side, node, ..
+        } => {
+            let side = side.text().to_ascii_lowercase();
+            format!("(time-{side}-node {} {})", expr(time), expr(node))
+        }
+    }
+}
+
+fn move_form(form: &MoveForm) -> String {
+    match form {
+        MoveForm::To(target) => format!("move-to {}", expr(target)),
+        MoveForm::Near { target, distance } => {
+            format!("move-near {} {}", expr(target), expr(distance))
+        }
+        MoveForm::Axis { axis, distance } => {
+            format!("move-axis {} {}", expr(axis), expr(distance))
+        }
+        MoveForm::Relative(vector) => format!("move-relative {}", expr(vector)),
+        MoveForm::About { vector, angle } => {
+            format!("move-about {} {}", expr(vector), expr(angle))
+        }
+        MoveForm::Away(distance) => format!("move-away {}", expr(distance)),
+        MoveForm::Along(nodes) => format!("move-along {}", path(nodes)),
     }
 }
 
@@ -358,6 +386,13 @@ fn type_expr(ty: &TypeExpr) -> String {
             format!("(array ({}) {})", dims.join(" "), type_expr(element))
         }
         TypeKind::Structure(fields) => format!("(structure {})", params(fields)),
+        TypeKind::Path { header, node } => {
+            let part = |word: &str, ty: &Option<Box<TypeExpr>>| {
+                let ty = ty.as_deref().map(type_expr);
+                ty.map_or_else(String::new, |ty| format!(" ({word} {ty})"))
+            };
+            format!("(path{}{})", part("header", header), part("node", node))
+        }
     }
 }
 
@@ -367,6 +402,9 @@ fn path(path: &Path) -> String {
         .fold(path.root.text.clone(), |inner, step| match step {
             PathStep::Field(name) => format!("(. {inner} {})", name.text),
             PathStep::Index { subscripts, .. } => format!("([] {inner}{})", tail(subscripts)),
+            PathStep::Range { first, last, .. } => {
+                format!("(.. {inner} {} {})", expr(first), expr(last))
+            }
         })
 }
 

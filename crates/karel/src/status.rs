@@ -37,6 +37,10 @@ impl Status {
     pub const PROG_RUNNING: Status = Status(3001);
     /// PROG-002: a task that shall be ended or looked at does not run, or cannot be started.
     pub const PROG_NO_TASK: Status = Status(3002);
+    /// MEMO-004: the program is needed as it is.
+    pub const MEMO_IN_USE: Status = Status(7004);
+    /// MEMO-015: the program exists already.
+    pub const MEMO_EXISTS: Status = Status(7015);
     /// MEMO-073: the program does not exist.
     pub const MEMO_NO_PROGRAM: Status = Status(7073);
 
@@ -98,6 +102,17 @@ impl Status {
     /// INTP-358: a READ gave up waiting, see `ATR_TIMEOUT`.
     pub const INTP_READ_TIMEOUT: Status = Status(12358);
 
+    /// INTP-383: a PATH has no such node.
+    pub const INTP_PATH_NODE: Status = Status(12383);
+
+    /// QMGR-001: the queue is full.
+    pub const QUEUE_FULL: Status = Status(61001);
+    /// QMGR-002: there is no such entry, or none at all.
+    pub const QUEUE_ENTRY: Status = Status(61002);
+
+    /// DICT-005: there is no such dictionary, or no such element.
+    pub const DICT_MISSING: Status = Status(33005);
+
     /// PRIO-002: illegal port number.
     pub const PRIO_PORT_NUMBER: Status = Status(13002);
 
@@ -116,6 +131,11 @@ impl Status {
     pub const VARS_UNKNOWN: Status = Status(16011);
     /// VARS-012: the value's type does not fit the variable.
     pub const VARS_TYPE: Status = Status(16012);
+    /// VARS-013: a variable of this name exists, or is the program's own.
+    ///
+    /// ASSUMPTION: this number and those of MEMO-004 and DICT-005 are ours; programs in the field
+    /// only compare with 0.
+    pub const VARS_EXISTS: Status = Status(16013);
     /// VARS-024: the array index is out of range.
     pub const VARS_INDEX: Status = Status(16024);
 
@@ -220,6 +240,26 @@ pub(crate) mod task {
     pub(crate) const ABORTED: i32 = 3;
 }
 
+/// How `OPEN_TPE` opens a program.
+pub(crate) mod open_mode {
+    /// `TPE_RDACC`.
+    pub(crate) const READ: i32 = 1;
+    /// `TPE_RWACC`.
+    pub(crate) const WRITE: i32 = 2;
+}
+
+/// What `GET_ATTR_PRG` asks for.
+pub(crate) mod attribute_of_program {
+    /// `AT_PROG_TYPE`.
+    pub(crate) const TYPE: i32 = 1;
+    /// `AT_PROG_NAME`.
+    pub(crate) const NAME: i32 = 2;
+    /// `AT_COMMENT`.
+    pub(crate) const COMMENT: i32 = 4;
+    /// `AT_PROG_SIZE`.
+    pub(crate) const SIZE: i32 = 5;
+}
+
 const FACILITIES: &[(i32, &str)] = &[
     (2, "FILE"),
     (3, "PROG"),
@@ -230,6 +270,7 @@ const FACILITIES: &[(i32, &str)] = &[
     (15, "MOTN"),
     (16, "VARS"),
     (24, "SYST"),
+    (33, "DICT"),
     (61, "QMGR"),
     (67, "HOST"),
     (85, "FRSY"),

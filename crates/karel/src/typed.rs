@@ -3,14 +3,14 @@
 
 use crate::{
     ast::{
-        Action, ConditionVerb, Direction, Edge, HandVerb, MotionVerb, Relation, Signaled, TaskVerb,
-        Waits,
+        Action, ConditionVerb, Direction, Edge, HandVerb, MotionVerb, NodeSide, Relation, Signaled,
+        TaskVerb, Waits,
     },
     builtins::Builtin,
     ir::Signature,
     port::Port,
     span::Span,
-    types::Type,
+    types::{PositionKind, Type},
     value::Text,
 };
 
@@ -97,8 +97,8 @@ pub(crate) enum StmtKind {
     DisconnectTimer(Place),
     /// They are looked at again and again until they hold.
     WaitFor(Conditions),
-    MoveTo {
-        target: Expr,
+    Move {
+        form: MoveForm,
         via: Option<Expr>,
         waits: Waits,
         whens: Vec<When>,
@@ -134,6 +134,34 @@ pub(crate) enum StmtKind {
     },
 }
 
+/// Where a MOVE goes; see [`crate::ast::MoveForm`].
+#[derive(Debug)]
+pub(crate) enum MoveForm {
+    To(Expr),
+    Near {
+        target: Expr,
+        distance: Expr,
+    },
+    Axis {
+        axis: Expr,
+        distance: Expr,
+    },
+    Relative(Expr),
+    About {
+        vector: Expr,
+        angle: Expr,
+    },
+    Away(Expr),
+    Along {
+        path: Place,
+        /// First and last node; none for all of them.
+        range: Option<(Expr, Expr)>,
+        /// Where the position of a node is in it.
+        offset: u32,
+        kind: PositionKind,
+    },
+}
+
 /// Conditions of a WHEN, an UNTIL or a WAIT FOR.
 #[derive(Debug)]
 pub(crate) struct Conditions {
@@ -144,11 +172,26 @@ pub(crate) struct Conditions {
 #[derive(Debug)]
 pub(crate) enum Condition {
     State(Expr),
-    Task { verb: TaskVerb, task: Option<Expr> },
+    Task {
+        verb: TaskVerb,
+        task: Option<Expr>,
+    },
     Error(Option<Expr>),
-    Signaled { what: Signaled, number: Expr },
+    Signaled {
+        what: Signaled,
+        number: Expr,
+    },
     PowerUp,
-    Edge { port: PortPlace, edge: Edge },
+    Edge {
+        port: PortPlace,
+        edge: Edge,
+    },
+    AtNode(Option<Expr>),
+    NodeTime {
+        time: Expr,
+        side: NodeSide,
+        node: Expr,
+    },
 }
 
 #[derive(Debug)]
@@ -285,6 +328,13 @@ pub(crate) enum Step {
         dims: Vec<u32>,
         element_cells: u32,
     },
+    /// Into an open array of several dimensions, whose lengths the reference carries.
+    OpenGrid {
+        subscripts: Vec<Expr>,
+        element_cells: u32,
+    },
+    /// A node of a PATH.
+    Node(Box<Expr>),
     /// Into an open array, whose length the reference carries; 0 cells mean strings whose length it
     /// carries as well.
     OpenIndex {
@@ -338,8 +388,15 @@ pub(crate) struct BuiltinCall {
 pub(crate) enum Arg {
     /// The variable itself; may be uninitialized.
     Reference(Place),
-    /// An array of strings where both lengths are open.
-    TextArray { place: Place, lengths: u32 },
+    /// An array where several lengths are open: those of dimensions, or those of an array and of its
+    /// strings.
+    OpenArray { place: Place, lengths: u32 },
+    /// `BYNAME`: a variable of this type that is found when the call is made.
+    ByName {
+        program: Expr,
+        variable: Expr,
+        formal: Type,
+    },
     /// A copy in a temporary variable of this type.
     Copy { value: Expr, formal: Type },
     /// A scalar on the operand stack, or the address of a temporary.

@@ -12,6 +12,9 @@ pub(crate) const MAX_STRING: usize = 254;
 /// Most cells of one variable, and of all variables of a program.
 pub(crate) const MAX_CELLS: u32 = 1 << 20;
 
+/// Most cells of a node of a PATH.
+pub(crate) const MAX_NODE: u32 = 1 << 12;
+
 /// Most levels of arrays and structures in each other.
 pub(crate) const MAX_TYPE_DEPTH: u32 = 32;
 
@@ -30,6 +33,8 @@ pub(crate) enum Type {
     Small(Small),
     Array(Arc<ArrayType>),
     Structure(Arc<StructureType>),
+    /// Nodes, and a header before them.
+    Path(Arc<PathType>),
     /// A type that was reported already; fits everything.
     Error,
 }
@@ -90,13 +95,70 @@ impl JointKind {
 /// Axes of a motion group.
 pub(crate) const MAX_AXES: u32 = 9;
 
+/// `PATH`: in memory one cell that names its nodes, and the header.
+#[derive(Debug, PartialEq)]
+pub(crate) struct PathType {
+    pub(crate) header: Option<Type>,
+    pub(crate) node: Type,
+    /// Levels of arrays and structures, this one included.
+    pub(crate) depth: u32,
+}
+
 #[derive(Debug, PartialEq)]
 pub(crate) struct ArrayType {
-    /// Lengths of the dimensions; none for an open array.
+    /// Lengths of the dimensions; none for an open array, zeros for an open one of several.
     pub(crate) dims: Vec<u32>,
     pub(crate) element: Type,
     /// Levels of arrays and structures, this one included.
     pub(crate) depth: u32,
+}
+
+impl ArrayType {
+    pub(crate) fn is_open(&self) -> bool {
+        self.dims.is_empty() || self.is_open_grid()
+    }
+
+    /// Open, with several dimensions.
+    pub(crate) fn is_open_grid(&self) -> bool {
+        self.dims.contains(&0)
+    }
+}
+
+/// Most open dimensions of an array.
+pub(crate) const MAX_OPEN_DIMS: usize = 3;
+
+/// Bits for the length of one of this many dimensions.
+const GRID_BITS: [u32; 2] = [16, 10];
+
+fn grid_bits(dims: usize) -> u32 {
+    let index = dims.saturating_sub(2);
+    GRID_BITS.get(index).copied().unwrap_or(0)
+}
+
+/// The lengths of two or three dimensions as one number, which a reference carries; `None` if one
+/// is too long for that.
+pub(crate) fn grid_lengths(dims: &[u32]) -> Option<u32> {
+    let bits = grid_bits(dims.len());
+    let mut lengths = 0;
+    for dim in dims {
+        if *dim >> bits != 0 {
+            return None;
+        }
+        lengths = lengths << bits | dim;
+    }
+    (bits > 0).then_some(lengths)
+}
+
+/// The lengths of [`grid_lengths`].
+pub(crate) fn split_grid(mut lengths: u32, dims: usize) -> Vec<u32> {
+    let bits = grid_bits(dims);
+    let mut split = Vec::new();
+    for _ in 0..dims {
+        split.push(lengths & ((1 << bits) - 1));
+        lengths >>= bits;
+    }
+    split.reverse();
+    split
 }
 
 #[derive(Debug)]
@@ -123,6 +185,30 @@ pub(crate) struct Field {
 }
 
 const VECTOR: &str = "VECTOR";
+const QUEUE: &str = "QUEUE_TYPE";
+const STANDARD_NODE: &str = "STD_PTH_NODE";
+
+/// A structure that no program declares.
+pub(crate) fn structure(name: &str, members: &[(&str, Type)]) -> Type {
+    let mut fields = Vec::new();
+    let mut size = 0;
+    let mut depth = 0;
+    for (name, ty) in members {
+        fields.push(Field {
+            name: (*name).to_owned(),
+            ty: ty.clone(),
+            offset: size,
+        });
+        size += ty.size();
+        depth = depth.max(ty.depth());
+    }
+    Type::Structure(Arc::new(StructureType {
+        name: name.to_owned(),
+        fields,
+        size,
+        depth: depth + 1,
+    }))
+}
 
 /// Bits that the length of a string needs beside the length of an array.
 const TEXT_BITS: u32 = 8;
@@ -175,18 +261,102 @@ impl Type {
 
     /// `VECTOR`: three REALs by the names of their axes, like a structure that nobody declares.
     pub(crate) fn vector() -> Type {
-        let fields = ["X", "Y", "Z"].iter().zip(0..);
-        let field = |(name, offset): (&&str, u32)| Field {
-            name: (*name).to_owned(),
-            ty: Type::Real,
-            offset,
-        };
-        Type::Structure(Arc::new(StructureType {
-            name: VECTOR.to_owned(),
-            fields: fields.map(field).collect(),
-            size: 3,
-            depth: 1,
-        }))
+        structure(VECTOR, &["X", "Y", "Z"].map(|axis| (axis, Type::Real)))
+    }
+
+    /// The standard node of a PATH.
+    ///
+    /// ASSUMPTION: the names and types of the fields beside `NODE_POS` are from memory; motion does
+    /// not look at them.
+    pub(crate) fn standard_node() -> Type {
+        let position = Type::Position(PositionKind::Position);
+        structure(
+            STANDARD_NODE,
+            &[
+                ("NODE_POS", position),
+                ("GROUP_DATA", Type::group_assoc()),
+                ("COMMON_DATA", Type::common_assoc()),
+            ],
+        )
+    }
+
+    /// What a node says of a motion group.
+    pub(crate) fn group_assoc() -> Type {
+        structure(
+            "GROUP_ASSOC",
+            &[
+                ("SEGRELSPEED", Type::Integer),
+                ("SEGMOTYPE", Type::Integer),
+                ("SEGORIENTYPE", Type::Integer),
+                ("SEGBREAK", Type::Boolean),
+            ],
+        )
+    }
+
+    /// What a node says of all groups.
+    pub(crate) fn common_assoc() -> Type {
+        structure(
+            "COMMON_ASSOC",
+            &[
+                ("SEGTERMTYPE", Type::Integer),
+                ("SEGDECELTOL", Type::Integer),
+                ("SEGRELACCEL", Type::Integer),
+                ("SEGTIMESHFT", Type::Integer),
+            ],
+        )
+    }
+
+    /// The type of the language with this name, in upper case.
+    pub(crate) fn named(name: &str) -> Option<Type> {
+        if let Some(axes) = name.strip_prefix("JOINTPOS") {
+            return Some(Type::Joints(match axes.as_bytes() {
+                [] => JointKind::OfGroup,
+                [digit @ b'1'..=b'9'] => JointKind::Axes(digit - b'0'),
+                _ => return None,
+            }));
+        }
+        Some(match name {
+            "INTEGER" => Type::Integer,
+            "REAL" => Type::Real,
+            "BOOLEAN" => Type::Boolean,
+            "FILE" => Type::File,
+            "CONFIG" => Type::Config,
+            "SHORT" => Type::Small(Small::Short),
+            "BYTE" => Type::Small(Small::Byte),
+            "VECTOR" => Type::vector(),
+            "STD_PTH_NODE" => Type::standard_node(),
+            "GROUP_ASSOC" => Type::group_assoc(),
+            "COMMON_ASSOC" => Type::common_assoc(),
+            "QUEUE_TYPE" => Type::queue(),
+            "POSITION" => Type::Position(PositionKind::Position),
+            "XYZWPR" => Type::Position(PositionKind::Xyzwpr),
+            "XYZWPREXT" => Type::Position(PositionKind::XyzwprExt),
+            _ => return None,
+        })
+    }
+
+    /// What the queue built-ins keep beside the data of a queue.
+    ///
+    /// ASSUMPTION: programs do not look at the fields, whose names are ours.
+    pub(crate) fn queue() -> Type {
+        structure(
+            QUEUE,
+            &[
+                ("FIRST", Type::Integer),
+                ("COUNT", Type::Integer),
+                ("SEQUENCE", Type::Integer),
+            ],
+        )
+    }
+
+    pub(crate) fn is_queue(&self) -> bool {
+        matches!(self, Type::Structure(structure) if structure.name == QUEUE)
+            && *self == Type::queue()
+    }
+
+    pub(crate) fn is_standard_node(&self) -> bool {
+        matches!(self, Type::Structure(structure) if structure.name == STANDARD_NODE)
+            && *self == Type::standard_node()
     }
 
     pub(crate) fn is_vector(&self) -> bool {
@@ -208,11 +378,11 @@ impl Type {
             | Type::Error => 1,
             Type::Position(kind) => kind.size(),
             Type::Joints(kind) => kind.size(),
-            Type::Array(array) => array
-                .dims
-                .iter()
-                .fold(array.element.size(), |size, dim| size.saturating_mul(*dim)),
+            Type::Array(array) => array.dims.iter().fold(array.element.size(), |size, dim| {
+                size.saturating_mul((*dim).max(1))
+            }),
             Type::Structure(structure) => structure.size,
+            Type::Path(path) => 1_u32.saturating_add(path.header.as_ref().map_or(0, Type::size)),
         }
     }
 
@@ -221,6 +391,7 @@ impl Type {
         match self {
             Type::Array(array) => array.depth,
             Type::Structure(structure) => structure.depth,
+            Type::Path(path) => path.depth,
             Type::Integer
             | Type::Real
             | Type::Boolean
@@ -250,6 +421,7 @@ impl Type {
         }
         if let Type::Array(array) = self
             && let [length] = array.dims.as_slice()
+            && *length > 0
         {
             return Some(*length);
         }
@@ -260,7 +432,11 @@ impl Type {
     pub(crate) fn is_scalar(&self) -> bool {
         !matches!(
             self,
-            Type::Position(_) | Type::Joints(_) | Type::Array(_) | Type::Structure(_)
+            Type::Position(_)
+                | Type::Joints(_)
+                | Type::Array(_)
+                | Type::Structure(_)
+                | Type::Path(_)
         )
     }
 
@@ -287,6 +463,10 @@ impl Type {
             Type::Structure(structure) => {
                 let field = structure.fields.iter().find(|field| field.name == name)?;
                 Some((field.offset, field.ty.clone()))
+            }
+            Type::Path(path) => {
+                let (offset, ty) = path.header.as_ref()?.field(name)?;
+                Some((offset + 1, ty))
             }
             Type::Integer
             | Type::Real
@@ -323,6 +503,12 @@ impl Type {
                     field.ty.leaves(leaves);
                 }
             }
+            Type::Path(path) => {
+                leaves.push(self.clone());
+                if let Some(header) = &path.header {
+                    header.leaves(leaves);
+                }
+            }
             Type::Integer
             | Type::Real
             | Type::Boolean
@@ -334,10 +520,10 @@ impl Type {
         }
     }
 
-    /// Whether a FILE is in it: those cannot be copied.
+    /// Whether a FILE is in it, or it is a PATH: those cannot be copied.
     pub(crate) fn holds_file(&self) -> bool {
         match self {
-            Type::File => true,
+            Type::File | Type::Path(_) => true,
             Type::Array(array) => array.element.holds_file(),
             Type::Structure(structure) => {
                 structure.fields.iter().any(|field| field.ty.holds_file())
@@ -374,10 +560,19 @@ impl fmt::Display for Type {
             Type::Joints(JointKind::Axes(axes)) => write!(f, "JOINTPOS{axes}"),
             Type::Array(array) if array.dims.is_empty() => write!(f, "ARRAY OF {}", array.element),
             Type::Array(array) => {
-                let dims: Vec<String> = array.dims.iter().map(u32::to_string).collect();
+                let length = |dim: &u32| match dim {
+                    0 => "*".to_owned(),
+                    dim => dim.to_string(),
+                };
+                let dims: Vec<String> = array.dims.iter().map(length).collect();
                 write!(f, "ARRAY[{}] OF {}", dims.join(","), array.element)
             }
             Type::Structure(structure) => f.write_str(&structure.name),
+            Type::Path(path) => match &path.header {
+                None if path.node.is_standard_node() => f.write_str("PATH"),
+                None => write!(f, "PATH NODEDATA = {}", path.node),
+                Some(header) => write!(f, "PATH PATHHEADER = {header}, NODEDATA = {}", path.node),
+            },
             Type::Error => f.write_str("unknown"),
         }
     }

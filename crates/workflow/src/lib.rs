@@ -46,6 +46,7 @@ mod intervention;
 mod invariants;
 mod job;
 mod loads_in;
+mod matching;
 mod permits;
 mod queue;
 mod react;

@@ -13,7 +13,7 @@ use crate::ids::Millis;
 use crate::intervention::{Allowed, Decided, Question};
 use crate::job::params::NewJob;
 use crate::job::phase::{Phase, Recovery};
-use crate::job::{Compensation, FaultNote, Item, JobState, StepState, Why};
+use crate::job::{Compensation, FaultNote, Item, Job, JobState, StepState, Why};
 use crate::permits::Permit;
 use crate::session::SessionState;
 use crate::setup::{BasePose, PlaceRef};
@@ -242,7 +242,7 @@ impl Cell {
             trigger: job.trigger.clone(),
             state: job.state,
             why: job.why.clone(),
-            text: job.text.clone(),
+            text: self.text_of(job),
             arm: job.arm.clone(),
             mobile_robot: job.mobile_robot.clone(),
             session: job.session,
@@ -276,6 +276,15 @@ impl Cell {
                 TimerKey::Parked { .. } | TimerKey::Question { .. } => false,
             }),
         })
+    }
+
+    /// Why a job is where it is; of one in the queue what it waits for.
+    fn text_of(&self, job: &Job) -> String {
+        if job.state == JobState::Idle && job.text.is_empty() {
+            self.waits_for(job).unwrap_or_default()
+        } else {
+            job.text.clone()
+        }
     }
 
     /// All jobs that are remembered, oldest first.

@@ -37,6 +37,20 @@ fn a_delivery_is_placed_and_the_mobile_robot_leaves() {
 }
 
 #[test]
+fn a_job_in_the_queue_says_what_it_waits_for() {
+    let mut w = World::new();
+    let first = w.create(delivery());
+    let second = w.create(delivery());
+    let text = |w: &World| w.cell.job(w.now, second).unwrap().text;
+    assert!(w.run(5_000, |w| w.state(first) != JobState::Idle));
+    assert_eq!(text(&w), "another job has station/1");
+    w.complete(first);
+    assert!(w.run(20_000, |w| w.cell.claims().is_empty()));
+    // The load the second one names was brought already, and is where the second one is to put it.
+    assert_eq!(text(&w), "m1 does not have L1 in s1");
+}
+
+#[test]
 fn two_items_are_placed_one_after_the_other() {
     let mut w = World::new();
     let mut job = delivery();

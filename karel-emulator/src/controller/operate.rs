@@ -9,6 +9,7 @@ use crate::alarms::Severity;
 use crate::hardware::operator::{
     OperatingMode, SRVO_EMERGENCY_STOP, SRVO_NO_POWER, SRVO_PENDANT, SYST_MODE,
 };
+use crate::hardware::wrist::KEYBOARD_BYTES;
 use crate::ledger::JointsDeg;
 
 /// An action at the controller that no program asks for.
@@ -50,6 +51,8 @@ pub enum Operation {
     JamGripper(bool),
     /// The part falls out of the gripper.
     LosePart,
+    /// Keys of the pendant's keyboard, one byte each: LF is ENTER, codes from 128 on are keys that are no characters.
+    Type(String),
 }
 
 /// Why an [`Operation`] was refused; nothing has changed.
@@ -96,6 +99,18 @@ pub enum OperateError {
     Missing {
         /// `gripper` or `part in a gripper`.
         what: &'static str,
+    },
+    /// A character that no key has.
+    #[error("the keyboard has no key for {character:?}")]
+    Key {
+        /// What was given.
+        character: char,
+    },
+    /// More than programs have read.
+    #[error("{limit} characters at most can wait for a program")]
+    KeyboardFull {
+        /// The limit.
+        limit: usize,
     },
     /// The controller stopped.
     #[error(transparent)]
@@ -149,6 +164,7 @@ impl Controller {
                     return Err(OperateError::Missing { what: "gripper" });
                 }
             }
+            Operation::Type(text) => self.type_text(&text)?,
             Operation::LosePart => {
                 if !self.hardware.lose_part() {
                     let what = "part in a gripper";
@@ -157,6 +173,19 @@ impl Controller {
             }
         }
         Ok(())
+    }
+
+    fn type_text(&mut self, text: &str) -> Result<(), OperateError> {
+        let mut bytes = Vec::new();
+        for character in text.chars() {
+            let byte = u8::try_from(character);
+            bytes.push(byte.map_err(|_| OperateError::Key { character })?);
+        }
+        if self.hardware.type_text(&bytes) {
+            return Ok(());
+        }
+        let limit = KEYBOARD_BYTES;
+        Err(OperateError::KeyboardFull { limit })
     }
 
     fn set_mode(&mut self, mode: OperatingMode) {

@@ -1,6 +1,6 @@
 //! The controller as people and tests see it.
 
-use karel::Wait;
+use karel::{FileId, Wait};
 
 use super::{Controller, Task};
 use crate::hardware::gripping::Gripper;
@@ -105,6 +105,13 @@ pub(crate) fn task_in_words(state: &karel::TaskState, paused: bool) -> (TaskWord
 
 fn wait_in_words(wait: &Wait) -> String {
     match wait {
+        Wait::Readable(FileId::KEYBOARD) => "waits for the pendant's keyboard".to_owned(),
+        Wait::ReadableUntil(FileId::KEYBOARD, time) => {
+            format!(
+                "waits for the pendant's keyboard until {:.3} s",
+                seconds(*time)
+            )
+        }
         Wait::Readable(_) => "waits for bytes".to_owned(),
         Wait::ReadableUntil(_, time) => format!("waits for bytes until {:.3} s", seconds(*time)),
         Wait::Writable(_) => "waits until the peer takes bytes".to_owned(),

@@ -1,13 +1,13 @@
 //! The arm: motions in, ledger entries out.
 
-use karel::{MotionId, MotionRequest, Progress, Status, TaskId, TpTarget, Value, Wait};
+use karel::{MotionId, MotionPath, MotionRequest, Progress, Status, TaskId, TpTarget, Value, Wait};
 use kinematics::PendantJoints;
 use units::MmPerSec;
 
 use super::operator::Operator;
 use super::{Hardware, MotionTag, Wake};
 use crate::ledger::{LedgerEntry, LedgerEvent, MotionKind, seconds};
-use crate::motion::planner::{pose_mm_deg, pose_of_target};
+use crate::motion::planner::{pendant_joints, pose_mm_deg, pose_of_target};
 use crate::motion::{Added, Motion, MotionEnd, Outcome, Path, Refusal};
 use crate::sysvars::codes::motype;
 
@@ -43,7 +43,7 @@ impl Hardware {
         let tag = MotionTag {
             id: MotionId(self.last_motion),
             task,
-            kind: self.kind(),
+            kind: self.kind(request),
             speed_percent: None,
             command: None,
             target: pose_of_target(&request.target),
@@ -173,7 +173,15 @@ impl Hardware {
     fn karel_path(&self, request: &MotionRequest, speed: f64) -> Result<Path, Refusal> {
         let (frame, tool) = self.frames()?;
         let from = self.executor.tail();
-        let motype = self.variables.integer("$MOTYPE");
+        if let Some(joints) = &request.joints {
+            self.planner.within_limits(joints)?;
+            let to = pendant_joints(joints)?;
+            return Ok(Path::joint(self.planner.model(), from, to, MmPerSec(speed)));
+        }
+        let motype = match request.path {
+            MotionPath::Straight => Ok(motype::LINEAR),
+            MotionPath::AsSet => self.variables.integer("$MOTYPE"),
+        };
         let motype = motype.map_err(|status| Refusal::new(status, "$MOTYPE has no value"))?;
         let target = TpTarget::Cartesian(request.target);
         let (frames, speeds) = ((&frame, &tool), (speed, 1.0));
@@ -308,8 +316,14 @@ impl Hardware {
         }
     }
 
-    /// As `$MOTYPE` says.
-    fn kind(&self) -> MotionKind {
+    /// As `$MOTYPE` says, unless the statement says it.
+    fn kind(&self, request: &MotionRequest) -> MotionKind {
+        if request.joints.is_some() {
+            return MotionKind::Joint;
+        }
+        if request.path == MotionPath::Straight {
+            return MotionKind::Linear;
+        }
         match self.variables.integer("$MOTYPE") {
             Ok(motype::LINEAR) => MotionKind::Linear,
             Ok(motype::CIRCULAR) => MotionKind::Circular,

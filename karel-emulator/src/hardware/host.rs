@@ -3,15 +3,16 @@
 use std::time::Duration;
 
 use karel::{
-    AlarmView, FileId, FileOperation, Host, Input, JointPosition, MotionId, MotionRequest,
-    OpenMode, Port, PortValue, Position, ProgramAlarm, Progress, Registers, RuntimeError, Status,
-    SysPath, SysValue, TaskId, TpMotion, Value, XyzwprExt,
+    AlarmView, FileId, FileOperation, HandAction, Host, Input, JointPosition, MotionId,
+    MotionRequest, OpenMode, Port, PortValue, Position, ProgramAlarm, Progress, Registers,
+    RuntimeError, Status, SysPath, SysValue, TaskId, TpMotion, Value, XyzwprExt,
 };
 
 use super::Hardware;
 use super::arm::only_group;
 use super::operator::OperatingMode;
 use crate::motion::planner::{joint_position, pendant_joints};
+use crate::ports::SetInputError;
 use crate::sysvars::Reading;
 
 impl Host for Hardware {
@@ -123,6 +124,34 @@ impl Host for Hardware {
         Ok(())
     }
 
+    fn port_is_simulated(&self, port: Port, number: i32) -> bool {
+        u16::try_from(number).is_ok_and(|number| self.ports.is_simulated(port, number))
+    }
+
+    fn simulate_port(
+        &mut self,
+        _task: TaskId,
+        port: Port,
+        number: i32,
+        value: Option<PortValue>,
+    ) -> Result<(), Status> {
+        let number = u16::try_from(number).map_err(|_| Status::PRIO_PORT_NUMBER)?;
+        let done = match value {
+            Some(value) => self.ports.simulate(port, number, value),
+            None => self.ports.end_simulation(port, number),
+        };
+        done.map_err(|error| match error {
+            SetInputError::NoSuchPort { .. } => Status::PRIO_PORT_NUMBER,
+            SetInputError::NotAnInput { .. }
+            | SetInputError::Value { .. }
+            | SetInputError::Stopped(_) => Status::INTP_ARGUMENT,
+        })
+    }
+
+    fn hand(&mut self, task: TaskId, action: HandAction, number: i32) -> Result<(), Status> {
+        self.move_hand(task, action, number)
+    }
+
     fn current_joints(&mut self, task: TaskId, group: i32) -> Result<JointPosition, Status> {
         only_group(group).map_err(|refusal| self.keep_refusal(task, refusal))?;
         let joints = self.executor.joints(self.now);
@@ -173,6 +202,12 @@ impl Host for Hardware {
 
     fn motion_ended(&mut self, motion: MotionId) -> Progress<Status> {
         self.outcome(motion)
+    }
+
+    fn motion_left(&self, motion: MotionId) -> Option<Duration> {
+        let running = self.executor.current()?.tag.id == motion;
+        let end = self.executor.next_end().filter(|_| running)?;
+        Some(end.saturating_sub(self.now))
     }
 
     fn start_tp_motion(

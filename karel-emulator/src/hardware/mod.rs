@@ -9,6 +9,7 @@ mod host;
 pub(crate) mod operator;
 mod sockets;
 mod tp;
+pub(crate) mod wrist;
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::net::SocketAddr;
@@ -51,6 +52,8 @@ pub(crate) struct Hardware {
     pub(crate) tags: Vec<ServerTag>,
     pub(crate) screen: VecDeque<String>,
     screen_sink: Option<ScreenSink>,
+    /// What was typed at the pendant and no program has read.
+    keyboard: Vec<u8>,
     pub(crate) operator: Operator,
     pub(crate) gripper: Option<Gripper>,
     /// Where programs note the command that they carry out.
@@ -159,6 +162,7 @@ impl Hardware {
             tags: Tag::all().map(ServerTag::new).collect(),
             screen: VecDeque::new(),
             screen_sink: config.screen.clone(),
+            keyboard: Vec::new(),
             operator: Operator::default(),
             gripper,
             command_registers: config.command_registers,
@@ -217,6 +221,7 @@ impl Hardware {
         let _nothing_goes_on = self.executor.resume(self.now);
         self.alarms.reset();
         self.screen.clear();
+        self.keyboard.clear();
         self.forget_tasks(&[]);
         self.wakes.clear();
         if memory == CmosMemory::Lost {

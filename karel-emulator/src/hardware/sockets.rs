@@ -224,6 +224,12 @@ impl Hardware {
     }
 
     pub(super) fn input_of(&self, file: FileId) -> Input<'_> {
+        if file == FileId::KEYBOARD {
+            return Input {
+                bytes: &self.keyboard,
+                end: InputEnd::Open,
+            };
+        }
         if self.devices.holds(file) {
             return self.devices.input(file);
         }
@@ -247,6 +253,9 @@ impl Hardware {
     }
 
     pub(super) fn consume_input(&mut self, file: FileId, count: usize) {
+        if file == FileId::KEYBOARD {
+            return drop(self.keyboard.drain(..count.min(self.keyboard.len())));
+        }
         if self.devices.holds(file) {
             return self.devices.consume(file, count);
         }

@@ -1,11 +1,13 @@
 //! The events of the newest records, kept once for all streams.
+//!
+//! Nothing is made while nobody listens: whoever comes later reads what was missed from the journal.
 
 use std::collections::VecDeque;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use jiff::Timestamp;
 use journal::Position;
-use tokio::sync::watch;
+use tokio::sync::{Notify, watch};
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
@@ -30,6 +32,8 @@ struct Inner {
     cells: Vec<(Arc<str>, CellHandle)>,
     ring: Mutex<Ring>,
     news: watch::Sender<EventId>,
+    /// Somebody listens again.
+    wake_up: Notify,
     stop: CancellationToken,
 }
 
@@ -39,6 +43,19 @@ struct Ring {
     before: Position,
     batches: VecDeque<Arc<Batch>>,
     bytes: usize,
+    /// Nobody listened when a record came. Until somebody does, nothing is read.
+    asleep: bool,
+}
+
+impl Ring {
+    fn behind(before: Position) -> Self {
+        Self {
+            before,
+            batches: VecDeque::new(),
+            bytes: 0,
+            asleep: false,
+        }
+    }
 }
 
 /// What the ring has behind a place.
@@ -59,31 +76,46 @@ impl Events {
         stop: CancellationToken,
     ) -> Self {
         let epochs = Epochs::of(&journal, now);
-        let head = EventId {
-            epoch: epochs.shown(journal.epoch()),
-            position: journal.head().position,
-        };
-        let projector = Projector::new(journal.clone(), epochs, &cells);
+        let head = head(&journal, epochs);
         let this = Self(Arc::new(Inner {
             journal,
             epochs,
             cells,
-            ring: Mutex::new(Ring {
-                before: head.position,
-                batches: VecDeque::new(),
-                bytes: 0,
-            }),
+            ring: Mutex::new(Ring::behind(head.position)),
             news: watch::Sender::new(head),
+            wake_up: Notify::new(),
             stop: stop.clone(),
         }));
         let tail = this.clone();
-        drop(tracker.spawn(async move { stop.run_until_cancelled(tail.follow(projector)).await }));
+        drop(tracker.spawn(async move { stop.run_until_cancelled(tail.follow()).await }));
         this
     }
 
-    /// The newest event there is, as it changes.
-    pub(super) fn news(&self) -> watch::Receiver<EventId> {
-        self.0.news.subscribe()
+    /// The newest event there is, as it changes. As long as this is held, events are made.
+    pub(super) fn listen(&self) -> watch::Receiver<EventId> {
+        let mut ring = self.ring();
+        let news = self.0.news.subscribe();
+        if ring.asleep {
+            let head = head(&self.0.journal, self.0.epochs);
+            *ring = Ring::behind(head.position);
+            let _before = self.0.news.send_replace(head);
+            self.0.wake_up.notify_one();
+        }
+        news
+    }
+
+    #[cfg(test)]
+    pub(super) fn has_listeners(&self) -> bool {
+        self.0.news.receiver_count() > 0
+    }
+
+    /// The newest event there is.
+    pub(super) fn newest(&self) -> EventId {
+        *self.0.news.borrow()
+    }
+
+    fn ring(&self) -> MutexGuard<'_, Ring> {
+        self.0.ring.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     pub(super) fn stop(&self) -> &CancellationToken {
@@ -100,7 +132,7 @@ impl Events {
     }
 
     pub(super) fn behind(&self, after: Position, limit: usize) -> Ahead {
-        let ring = self.0.ring.lock().unwrap_or_else(PoisonError::into_inner);
+        let ring = self.ring();
         if after < ring.before {
             return Ahead::Lapped;
         }
@@ -110,11 +142,17 @@ impl Events {
         Ahead::Batches(ring.batches.range(first..).take(limit).cloned().collect())
     }
 
-    async fn follow(&self, mut projector: Projector) {
+    async fn follow(&self) {
         let mut kept = self.0.journal.watch();
-        let mut after = self.0.news.borrow().position;
+        let mut projector = self.projector();
+        let mut after = self.newest().position;
         loop {
             let _seen = *kept.borrow_and_update();
+            if self.falls_asleep() {
+                self.0.wake_up.notified().await;
+                projector = self.projector();
+                after = self.ring().before;
+            }
             match self.0.journal.page(after, PAGE).await {
                 Ok(page) if !page.is_empty() => {
                     for stored in &page {
@@ -136,8 +174,18 @@ impl Events {
         }
     }
 
+    /// Whether nobody listens. Then the next who does begins with an empty ring.
+    fn falls_asleep(&self) -> bool {
+        let mut ring = self.ring();
+        if self.0.news.receiver_count() == 0 {
+            *ring = Ring::behind(ring.before);
+            ring.asleep = true;
+        }
+        ring.asleep
+    }
+
     fn push(&self, batch: Batch) {
-        let mut ring = self.0.ring.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut ring = self.ring();
         ring.bytes += batch.bytes();
         ring.batches.push_back(Arc::new(batch));
         while ring.batches.len() > RECORDS || ring.bytes > BYTES {
@@ -147,5 +195,12 @@ impl Events {
             ring.bytes -= oldest.bytes();
             ring.before = oldest.id.position;
         }
+    }
+}
+
+fn head(journal: &SharedJournal, epochs: Epochs) -> EventId {
+    EventId {
+        epoch: epochs.shown(journal.epoch()),
+        position: journal.head().position,
     }
 }

@@ -6,7 +6,7 @@ use std::time::Duration;
 use api::{EventGap, GapReason};
 use bytes::{Bytes, BytesMut};
 use journal::Position;
-use tokio::sync::mpsc;
+use tokio::sync::{mpsc, watch};
 use tokio::time::{Instant, sleep_until};
 use uuid::Uuid;
 
@@ -75,7 +75,8 @@ impl Events {
     /// Sends what was asked for until the other side goes away or the server stops.
     pub(crate) async fn send(self, asked: Asked, chunks: mpsc::Sender<Bytes>) {
         let stop = self.stop().clone();
-        let now = *self.news().borrow();
+        let news = self.listen();
+        let now = *news.borrow();
         let stream = Stream {
             sent: now,
             live: asked.from.is_none(),
@@ -84,14 +85,13 @@ impl Events {
             asked,
             chunks,
         };
-        let _ended = stop.run_until_cancelled(stream.run(now)).await;
+        let _ended = stop.run_until_cancelled(stream.run(now, news)).await;
     }
 }
 
 impl Stream {
-    async fn run(mut self, now: EventId) -> Result<(), Over> {
+    async fn run(mut self, now: EventId, mut news: watch::Receiver<EventId>) -> Result<(), Over> {
         self.begin(now).await?;
-        let mut news = self.events.news();
         let mut cell = self.asked.status.as_ref().map(CellHandle::watch);
         let mut beat = Instant::now() + HEARTBEAT;
         let (mut status_due, mut status_sent) = (cell.as_ref().map(|_| Instant::now()), None);
@@ -162,7 +162,7 @@ impl Stream {
                 }
                 Ahead::Batches(batches) => self.send(&batches).await?,
                 Ahead::Lapped if self.live => {
-                    let now = *self.events.news().borrow();
+                    let now = self.events.newest();
                     self.gap(GapReason::Slow, self.sent, now).await?;
                 }
                 Ahead::Lapped => self.read_back().await?,
@@ -180,7 +180,7 @@ impl Stream {
         let page = match page {
             Ok(page) if !page.is_empty() => page,
             Ok(_) | Err(_) => {
-                let now = *self.events.news().borrow();
+                let now = self.events.newest();
                 return self.gap(GapReason::Forgotten, self.sent, now).await;
             }
         };

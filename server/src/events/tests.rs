@@ -83,7 +83,7 @@ impl World {
     /// Waits until the events of everything that was kept are made.
     async fn made(&self) {
         let last = self.journal.head().position;
-        let mut news = self.events.news();
+        let mut news = self.events.listen();
         let _newest = news.wait_for(|id| id.position >= last).await.unwrap();
     }
 }
@@ -178,6 +178,42 @@ async fn a_listener_that_reads_too_slowly_hears_that_events_are_missing() {
     note(&world.journal, "after").await;
     let next = slow.block().await;
     assert!(next.contains("after of something"), "{next}");
+}
+
+#[tokio::test]
+async fn what_happens_while_nobody_listens_is_not_missed_by_whoever_comes_back() {
+    let world = World::new(1_000).await;
+    let mut first = world.listen(None, Filter::default());
+    assert!(first.block().await.starts_with("id: 1-"));
+    note(&world.journal, "heard").await;
+    let heard = first.block().await;
+    let id = heard.lines().find_map(|line| line.strip_prefix("id: "));
+    let from = id.and_then(EventId::parse).expect("it has an id");
+    drop(first);
+    // The records that follow end the stream whose reader has gone; then nobody listens.
+    let mut unheard = 0;
+    while world.events.has_listeners() {
+        note(&world.journal, &format!("unheard {unheard}")).await;
+        unheard += 1;
+        tokio::task::yield_now().await;
+    }
+    for _ in 0..10 {
+        note(&world.journal, &format!("unheard {unheard}")).await;
+        unheard += 1;
+        tokio::task::yield_now().await;
+    }
+    let mut back = world.listen(Some(from), Filter::default());
+    let mut new = world.listen(None, Filter::default());
+    for number in 0..unheard {
+        let block = back.block().await;
+        assert!(block.contains(&format!("unheard {number} of")), "{block}");
+    }
+    assert!(new.block().await.starts_with("id: 1-"));
+    note(&world.journal, "now").await;
+    for listener in [&mut back, &mut new] {
+        let block = listener.block().await;
+        assert!(block.contains("now of something"), "{block}");
+    }
 }
 
 #[tokio::test]

@@ -1,6 +1,8 @@
 //! Motions of a robot of tier 0: from a prepared move to the link, and from what became of it to a problem.
 
+use std::pin::Pin;
 use std::sync::Arc;
+use std::task::{Context, Poll, Waker};
 use std::time::Duration;
 
 use api::{Outcome, ProblemCode, Tier};
@@ -114,10 +116,12 @@ impl Robot {
             return self.start_unkept(start);
         }
         let robot = Arc::clone(self);
-        let started = self
-            .motions
-            .tracker
-            .spawn(async move { robot.start_kept(start).await });
+        let mut starting = Box::pin(async move { robot.start_kept(start).await });
+        // Where nothing has to be waited for, nobody can go away meanwhile, and a task of its own only costs time.
+        if let Poll::Ready(started) = poll_once(starting.as_mut()) {
+            return started;
+        }
+        let started = self.motions.tracker.spawn(starting);
         started.await.unwrap_or_else(|_panicked| {
             Err(Problem::new(
                 ProblemCode::Internal,
@@ -296,6 +300,11 @@ impl Robot {
         };
         problem.robot(&self.plan.id).retry_after_a_second()
     }
+}
+
+/// What a future has at once. Whoever polls it next is woken.
+fn poll_once<F: Future>(future: Pin<&mut F>) -> Poll<F::Output> {
+    future.poll(&mut Context::from_waker(Waker::noop()))
 }
 
 /// The problem a motion ended in, if it did.

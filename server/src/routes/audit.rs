@@ -4,18 +4,16 @@ use std::sync::Arc;
 
 use api::{AuditEntry, AuditList, AuditResult, ProblemCode};
 use axum::Json;
-use axum::extract::{FromRequestParts, Query, State};
-use axum::http::Uri;
-use axum::http::request::Parts;
+use axum::extract::State;
 use journal::{Audit, Position, Record, Stored};
 
-use super::params::{CellId, CellPath, invalid, page_limit};
+use super::page::Page;
+use super::params::{CellId, CellPath};
 use super::responses::{AnyProblem, NotFound};
 use crate::identity::Principal;
 use crate::problem::Problem;
-use crate::state::{App, shown};
+use crate::state::App;
 
-const DEFAULT_PAGE: usize = 100;
 /// Records of other cells that are passed over for one page.
 const PASSED_OVER: usize = 1_000;
 
@@ -42,12 +40,12 @@ pub(super) async fn list_audit(
     State(app): State<Arc<App>>,
     CellId(cell): CellId,
     principal: Principal,
-    page: AuditPage,
+    page: Page<Position>,
 ) -> Result<Json<AuditList>, Problem> {
     let cell = app.cell(&cell)?;
     let whole_server = principal.scope().cell.is_none();
     let mut before = page
-        .before
+        .cursor
         .unwrap_or_else(|| app.journal.head().position.next());
     let mut entries = Vec::new();
     let mut looked_at = 0;
@@ -109,56 +107,4 @@ fn entry(stored: &Stored, audit: &Audit) -> AuditEntry {
         before: audit.before,
         after: audit.after,
     }
-}
-
-/// The query of the list.
-#[derive(Clone, Copy, Debug, Eq, PartialEq)]
-pub(super) struct AuditPage {
-    limit: usize,
-    before: Option<Position>,
-}
-
-impl FromRequestParts<Arc<App>> for AuditPage {
-    type Rejection = Problem;
-
-    async fn from_request_parts(parts: &mut Parts, _: &Arc<App>) -> Result<Self, Problem> {
-        Self::of(&parts.uri)
-    }
-}
-
-impl AuditPage {
-    fn of(uri: &Uri) -> Result<Self, Problem> {
-        let pairs = Query::<Vec<(String, String)>>::try_from_uri(uri)
-            .map_err(|error| invalid("query", error.body_text(), None))?;
-        let (mut limit, mut before) = (None, None);
-        for (key, value) in pairs.0 {
-            let twice = match key.as_str() {
-                "limit" => limit.replace(page_limit(&value)?).is_some(),
-                "cursor" => before.replace(cursor(&value)?).is_some(),
-                _ => {
-                    let message = "unknown; the parameters are `limit` and `cursor`";
-                    return Err(invalid(&shown(&key), message.to_owned(), None));
-                }
-            };
-            if twice {
-                return Err(invalid(&key, "given twice".to_owned(), None));
-            }
-        }
-        Ok(Self {
-            limit: limit.unwrap_or(DEFAULT_PAGE),
-            before,
-        })
-    }
-}
-
-fn cursor(text: &str) -> Result<Position, Problem> {
-    // SQLite's integers are signed, and so is the largest place there is.
-    let place = text
-        .parse::<i64>()
-        .ok()
-        .and_then(|at| u64::try_from(at).ok());
-    place.map(Position).ok_or_else(|| {
-        let message = format!("`{}` is not a `next_cursor` of this list", shown(text));
-        invalid("cursor", message, None)
-    })
 }

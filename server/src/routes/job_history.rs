@@ -4,18 +4,15 @@ use std::sync::Arc;
 
 use api::{JobEventList, JobReport};
 use axum::Json;
-use axum::extract::{FromRequestParts, Query, State};
-use axum::http::Uri;
-use axum::http::request::Parts;
+use axum::extract::State;
 
 use super::jobs::{JobOf, story_of};
-use super::params::{CellPath, invalid, page_limit};
+use super::page::{Cursor, Page};
+use super::params::CellPath;
 use super::responses::{AnyProblem, NotFound};
 use crate::jobs;
 use crate::problem::Problem;
-use crate::state::{App, shown};
-
-const DEFAULT_PAGE: usize = 100;
+use crate::state::App;
 
 /// Tells what happened to a job, the oldest first.
 #[utoipa::path(
@@ -36,13 +33,13 @@ const DEFAULT_PAGE: usize = 100;
 pub(super) async fn job_events(
     State(app): State<Arc<App>>,
     JobOf { cell, job }: JobOf,
-    page: EventPage,
+    page: Page<EventPlace>,
 ) -> Result<Json<JobEventList>, Problem> {
     let cell = app.cell(&cell)?;
     let history = story_of(&app, cell, job).await?;
     let mut events = jobs::events(&history);
-    if let Some(after) = page.after {
-        events.retain(|event| place(&event.id).is_some_and(|place| place > after));
+    if let Some(after) = page.cursor {
+        events.retain(|event| EventPlace::parse(&event.id).is_some_and(|place| place > after));
     }
     let more = events.len() > page.limit;
     events.truncate(page.limit);
@@ -74,55 +71,15 @@ pub(super) async fn job_report(
     Ok(Json(jobs::report(&cell.id, &history, now)))
 }
 
-/// Where an event stands: its record, and its place in it.
-fn place(id: &str) -> Option<(u64, usize)> {
-    let (position, index) = id.split_once('-')?;
-    Some((position.parse().ok()?, index.parse().ok()?))
-}
+/// Where an event stands: its record, and its place in it. The page has what is newer.
+#[derive(Clone, Copy, Debug, Eq, Ord, PartialEq, PartialOrd)]
+pub(super) struct EventPlace(u64, usize);
 
-/// The query of the list of events.
-#[derive(Clone, Copy, Debug, Eq, PartialEq)]
-pub(super) struct EventPage {
-    limit: usize,
-    after: Option<(u64, usize)>,
-}
+impl Cursor for EventPlace {
+    const DEFAULT_LIMIT: usize = 100;
 
-impl FromRequestParts<Arc<App>> for EventPage {
-    type Rejection = Problem;
-
-    async fn from_request_parts(parts: &mut Parts, _: &Arc<App>) -> Result<Self, Problem> {
-        Self::of(&parts.uri)
-    }
-}
-
-impl EventPage {
-    fn of(uri: &Uri) -> Result<Self, Problem> {
-        let pairs = Query::<Vec<(String, String)>>::try_from_uri(uri)
-            .map_err(|error| invalid("query", error.body_text(), None))?;
-        let (mut limit, mut after) = (None, None);
-        for (key, value) in pairs.0 {
-            let twice = match key.as_str() {
-                "limit" => limit.replace(page_limit(&value)?).is_some(),
-                "cursor" => {
-                    let place = place(&value).ok_or_else(|| {
-                        let message =
-                            format!("`{}` is not a `next_cursor` of this list", shown(&value));
-                        invalid("cursor", message, None)
-                    })?;
-                    after.replace(place).is_some()
-                }
-                _ => {
-                    let message = "unknown; the parameters are `limit` and `cursor`";
-                    return Err(invalid(&shown(&key), message.to_owned(), None));
-                }
-            };
-            if twice {
-                return Err(invalid(&key, "given twice".to_owned(), None));
-            }
-        }
-        Ok(Self {
-            limit: limit.unwrap_or(DEFAULT_PAGE),
-            after,
-        })
+    fn parse(text: &str) -> Option<Self> {
+        let (position, index) = text.split_once('-')?;
+        Some(Self(position.parse().ok()?, index.parse().ok()?))
     }
 }

@@ -4,13 +4,14 @@ use std::sync::Arc;
 
 use api::{Job, JobBody, JobCommand, JobCommandBody, JobList, JobState, Outcome, ProblemCode};
 use axum::Json;
-use axum::extract::{FromRequestParts, Query, State};
+use axum::extract::{FromRequestParts, State};
 use axum::http::request::Parts;
 use axum::http::{HeaderMap, HeaderName, StatusCode, Uri, header};
 use uuid::Uuid;
 use workflow::{Input, Reply};
 
-use super::params::{CellId, CellPath, invalid, page_limit, param, path_params};
+use super::page::{Cursor, Page};
+use super::params::{CellId, CellPath, invalid, param, path_params};
 use super::responses::{AnyProblem, BodyProblem, CrossSite, KeptProblem, NotFound};
 use crate::extract::{JsonBody, ListJson};
 use crate::identity::Principal;
@@ -18,9 +19,6 @@ use crate::jobs;
 use crate::motions::RequestKey;
 use crate::problem::{Problem, REPLAYED, outcome_of_nothing_sent};
 use crate::state::{App, Cell, shown};
-
-/// Jobs of a page where the caller does not say.
-const DEFAULT_PAGE: usize = 50;
 
 /// The headers of an answer that may have been given before.
 pub(super) type Replayed = Option<[(HeaderName, &'static str); 1]>;
@@ -136,12 +134,12 @@ pub(super) async fn list_jobs(
     let mut all = view.jobs(cell.work.clock().now());
     all.retain(|job| {
         let state = jobs::state_of(job.state);
-        query.before.is_none_or(|before| job.number < before)
+        query.page.cursor.is_none_or(|before| job.number < before.0)
             && (query.states.is_empty() || query.states.contains(&state))
     });
     all.reverse();
-    let more = all.len() > query.limit;
-    all.truncate(query.limit);
+    let more = all.len() > query.page.limit;
+    all.truncate(query.page.limit);
     Ok(Json(JobList {
         next_cursor: all
             .last()
@@ -293,12 +291,22 @@ impl FromRequestParts<Arc<App>> for JobOf {
     }
 }
 
+/// A job's number: the page has the jobs before it.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(super) struct JobNumber(u64);
+
+impl Cursor for JobNumber {
+    const DEFAULT_LIMIT: usize = 50;
+
+    fn parse(text: &str) -> Option<Self> {
+        text.parse().ok().map(Self)
+    }
+}
+
 /// The query of the list of jobs.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub(super) struct JobsQuery {
-    limit: usize,
-    /// Only jobs with a smaller number.
-    before: Option<u64>,
+    page: Page<JobNumber>,
     /// Only jobs in one of these; empty: in any.
     states: Vec<JobState>,
 }
@@ -313,39 +321,13 @@ impl FromRequestParts<Arc<App>> for JobsQuery {
 
 impl JobsQuery {
     fn of(uri: &Uri) -> Result<Self, Problem> {
-        let pairs = Query::<Vec<(String, String)>>::try_from_uri(uri)
-            .map_err(|error| invalid("query", error.body_text(), None))?;
-        let (mut limit, mut before, mut states) = (None, None, Vec::new());
-        for (key, value) in pairs.0 {
-            let twice = match key.as_str() {
-                "limit" => limit.replace(page_limit(&value)?).is_some(),
-                "cursor" => before.replace(cursor(&value)?).is_some(),
-                "state" => {
-                    states.push(state(&value)?);
-                    false
-                }
-                _ => {
-                    let message = "unknown; the parameters are `state`, `limit` and `cursor`";
-                    return Err(invalid(&shown(&key), message.to_owned(), None));
-                }
-            };
-            if twice {
-                return Err(invalid(&key, "given twice".to_owned(), None));
-            }
-        }
-        Ok(Self {
-            limit: limit.unwrap_or(DEFAULT_PAGE),
-            before,
-            states,
-        })
+        let mut states = Vec::new();
+        let page = Page::with_filter(uri, Some("state"), |value| {
+            states.push(state(value)?);
+            Ok(())
+        })?;
+        Ok(Self { page, states })
     }
-}
-
-fn cursor(text: &str) -> Result<u64, Problem> {
-    text.parse().map_err(|_| {
-        let message = format!("`{}` is not a `next_cursor` of this list", shown(text));
-        invalid("cursor", message, None)
-    })
 }
 
 fn state(text: &str) -> Result<JobState, Problem> {
@@ -373,8 +355,12 @@ mod tests {
     fn a_list_of_jobs_is_filtered_and_paged() {
         let asked = query("state=HELD&state=SUSPENDED&limit=3&cursor=12").unwrap();
         assert_eq!(asked.states, [JobState::Held, JobState::Suspended]);
-        assert_eq!((asked.limit, asked.before), (3, Some(12)));
-        assert_eq!(query("").unwrap().limit, DEFAULT_PAGE);
+        let page = Page {
+            limit: 3,
+            cursor: Some(JobNumber(12)),
+        };
+        assert_eq!(asked.page, page);
+        assert_eq!(query("").unwrap().page.limit, 50);
         for wrong in [
             "state=held",
             "state=",

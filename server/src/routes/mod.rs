@@ -20,6 +20,7 @@ mod mobile_robots;
 mod motion_body;
 mod motion_control;
 mod motions;
+mod page;
 mod params;
 mod prefer;
 mod preview;

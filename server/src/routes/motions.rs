@@ -14,7 +14,8 @@ use uuid::Uuid;
 
 use super::caller::Caller;
 use super::motion_body::{self, Timing};
-use super::params::{ControlHeader, MAX_PAGE, MotionId, Page, RobotOf, RobotPath};
+use super::page::{MAX_PAGE, Page};
+use super::params::{ControlHeader, MotionId, RobotOf, RobotPath};
 use super::prefer::Prefer;
 use super::preview::{check_expected, plan_of};
 use super::responses::{AnyProblem, BodyProblem, ControlProblem, CrossSite, LinkProblem, NotFound};
@@ -205,9 +206,9 @@ fn asked(robot: &Robot, link: &CellServerLink, body: &MotionBody) -> Result<Aske
         NotFound, AnyProblem,
     ),
 )]
-pub(super) async fn list_motions(RobotOf(robot): RobotOf, page: Page) -> Json<MotionList> {
+pub(super) async fn list_motions(RobotOf(robot): RobotOf, page: Page<Uuid>) -> Json<MotionList> {
     debug_assert!(page.limit <= MAX_PAGE);
-    let (records, more) = robot.motions.book.page(page.before, page.limit);
+    let (records, more) = robot.motions.book.page(page.cursor, page.limit);
     let next_cursor = records
         .last()
         .filter(|_| more)

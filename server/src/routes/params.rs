@@ -3,18 +3,13 @@
 use std::sync::Arc;
 
 use api::{ProblemCode, Violation};
-use axum::extract::{FromRequestParts, Query, RawPathParams};
-use axum::http::Uri;
+use axum::extract::{FromRequestParts, RawPathParams};
 use axum::http::request::Parts;
 use utoipa::IntoParams;
 use uuid::Uuid;
 
 use crate::problem::{Problem, outcome_of_nothing_sent};
-use crate::state::{App, Cell, Robot, shown};
-
-/// The most motions of one page.
-pub(super) const MAX_PAGE: usize = 200;
-const DEFAULT_PAGE: usize = 50;
+use crate::state::{App, Cell, Robot};
 
 /// The cell in a path, for the OpenAPI document.
 #[derive(IntoParams)]
@@ -112,65 +107,6 @@ pub(super) fn param<'a>(params: &'a RawPathParams, name: &str) -> Result<&'a str
         .ok_or_else(|| Problem::new(ProblemCode::Internal, format!("the route has no `{name}`")))
 }
 
-/// The query of a list, `limit=50&cursor=…`.
-#[derive(Clone, Copy, Debug, Eq, PartialEq)]
-pub(super) struct Page {
-    pub(super) limit: usize,
-    /// Only what is older than this.
-    pub(super) before: Option<Uuid>,
-}
-
-impl FromRequestParts<Arc<App>> for Page {
-    type Rejection = Problem;
-
-    async fn from_request_parts(parts: &mut Parts, _: &Arc<App>) -> Result<Self, Problem> {
-        Self::of(&parts.uri)
-    }
-}
-
-impl Page {
-    fn of(uri: &Uri) -> Result<Self, Problem> {
-        let pairs = Query::<Vec<(String, String)>>::try_from_uri(uri)
-            .map_err(|error| invalid("query", error.body_text(), None))?;
-        let (mut limit, mut before) = (None, None);
-        for (key, value) in pairs.0 {
-            let twice = match key.as_str() {
-                "limit" => limit.replace(page_limit(&value)?).is_some(),
-                "cursor" => before.replace(cursor(&value)?).is_some(),
-                _ => {
-                    let message = "unknown; the parameters are `limit` and `cursor`";
-                    return Err(invalid(&shown(&key), message.to_owned(), None));
-                }
-            };
-            if twice {
-                return Err(invalid(&key, "given twice".to_owned(), None));
-            }
-        }
-        Ok(Self {
-            limit: limit.unwrap_or(DEFAULT_PAGE),
-            before,
-        })
-    }
-}
-
-pub(super) fn page_limit(text: &str) -> Result<usize, Problem> {
-    let value: Option<usize> = text.parse().ok();
-    value
-        .filter(|value| (1..=MAX_PAGE).contains(value))
-        .ok_or_else(|| {
-            let text = shown(text);
-            let message = format!("`{text}` is not a whole number of 1 to {MAX_PAGE}");
-            invalid("limit", message, text.parse().ok())
-        })
-}
-
-fn cursor(text: &str) -> Result<Uuid, Problem> {
-    Uuid::parse_str(text).map_err(|_| {
-        let message = format!("`{}` is not a `next_cursor` of this list", shown(text));
-        invalid("cursor", message, None)
-    })
-}
-
 pub(super) fn invalid(item: &str, message: String, value: Option<f64>) -> Problem {
     Problem::new(ProblemCode::Validation, format!("{item}: {message}")).violations(vec![
         Violation {
@@ -180,45 +116,4 @@ pub(super) fn invalid(item: &str, message: String, value: Option<f64>) -> Proble
             ..Violation::default()
         },
     ])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn page(query: &str) -> Result<Page, Problem> {
-        Page::of(&format!("/motions?{query}").parse().unwrap())
-    }
-
-    /// Covers: R8.
-    #[test]
-    fn a_page_has_a_limit_and_a_beginning() {
-        assert_eq!(page("").unwrap().limit, DEFAULT_PAGE);
-        let id = Uuid::from_u128(7);
-        let asked = page(&format!("cursor={id}&limit=200")).unwrap();
-        assert_eq!(
-            asked,
-            Page {
-                limit: 200,
-                before: Some(id)
-            }
-        );
-    }
-
-    #[test]
-    fn a_query_that_does_not_fit_is_refused() {
-        for query in [
-            "limit=0",
-            "limit=201",
-            "limit=-1",
-            "limit=1.5",
-            "limit=",
-            "limit=1&limit=2",
-            "cursor=x",
-            "offset=1",
-            "limit=%ff",
-        ] {
-            assert!(page(query).is_err(), "{query}");
-        }
-    }
 }

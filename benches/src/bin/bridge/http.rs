@@ -3,6 +3,7 @@
 use std::net::{Ipv4Addr, SocketAddr};
 
 use anyhow::{Context as _, Result, bail, ensure};
+use api::ControlToken;
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio::net::TcpStream;
 
@@ -20,13 +21,20 @@ pub(crate) struct Connection {
 }
 
 impl Connection {
-    /// Connects to `port`; `body` makes the request a POST of JSON.
-    pub(crate) async fn open(port: u16, path: &str, body: Option<&str>) -> Result<Self> {
+    /// Connects to `port`; `body` makes the request a POST of JSON, and `control` is said with it.
+    pub(crate) async fn open(
+        port: u16,
+        path: &str,
+        body: Option<&str>,
+        control: Option<ControlToken>,
+    ) -> Result<Self> {
         let stream = TcpStream::connect(SocketAddr::from((Ipv4Addr::LOCALHOST, port))).await?;
         stream.set_nodelay(true)?;
+        let control =
+            control.map_or_else(String::new, |token| format!("Control-Token: {token}\r\n"));
         let request = match body {
             Some(body) => format!(
-                "POST {path} HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n\
+                "POST {path} HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n{control}\
                  Idempotency-Key: {}-{NUMBER}\r\nContent-Length: {}\r\n\r\n{body}",
                 stream.local_addr()?.port(),
                 body.len()

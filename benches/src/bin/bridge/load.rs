@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, ensure};
+use api::ControlToken;
 use tokio::task::JoinSet;
 
 use crate::{http, raw};
@@ -42,18 +43,31 @@ pub(crate) async fn raw_tcp(
     collect(workers, slice).await
 }
 
-/// HTTP: one connection for each path, each sending `body` and expecting `status`.
+/// What a connection sends over HTTP again and again.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Request {
+    pub(crate) body: Option<&'static str>,
+    pub(crate) control: Option<ControlToken>,
+    /// The status of the answer it is to have.
+    pub(crate) status: u16,
+}
+
+/// HTTP: one connection for each path.
 pub(crate) async fn over_http(
     port: u16,
     paths: Vec<String>,
-    body: Option<&'static str>,
-    status: u16,
+    request: Request,
     slice: Duration,
 ) -> Result<Sample> {
+    let Request {
+        body,
+        control,
+        status,
+    } = request;
     let mut workers = JoinSet::new();
     let mut opened = Vec::new();
     for path in &paths {
-        opened.push(http::Connection::open(port, path, body).await?);
+        opened.push(http::Connection::open(port, path, body, control).await?);
     }
     let end = Instant::now() + slice;
     for mut connection in opened {

@@ -4,7 +4,9 @@ use std::time::Duration;
 
 use anyhow::Result;
 
-use crate::load::{self, Sample};
+use benches::control;
+
+use crate::load::{self, Request, Sample};
 use crate::processes;
 
 /// The command every request carries: the thesis's home pose, in the words of each route.
@@ -74,17 +76,33 @@ async fn measure(bare: u16, layout: Layout) -> Result<()> {
     for _ in 0..repeats {
         let [raw, least, moved, motion, axum] = &mut samples;
         raw.push(load::raw_tcp(robot.port, robots, connections, slice).await?);
-        let http = |port, path: &dyn Fn(usize) -> String, body, status| {
+        let http = |port, path: &dyn Fn(usize) -> String, request| {
             let paths = (0..connections).map(path).collect();
-            load::over_http(port, paths, body, status, slice)
+            load::over_http(port, paths, request, slice)
         };
-        least.push(http(minimal.port, &forwarded, Some(MINIMAL), 200).await?);
+        let posted = |body, status| Request {
+            body: Some(body),
+            status,
+            ..Request::default()
+        };
+        least.push(http(minimal.port, &forwarded, posted(MINIMAL, 200)).await?);
         // The thesis's routes drive one robot; with several, only the versioned route spreads over them.
         if robots == 1 {
-            moved.push(http(served.port, &legacy, Some(LEGACY), 200).await?);
+            moved.push(http(served.port, &legacy, posted(LEGACY, 200)).await?);
         }
-        motion.push(http(served.port, &motions, Some(MOTION), 202).await?);
-        axum.push(http(bare, &hello, None, 200).await?);
+        // The thesis's routes are for whoever finds the cell free, the versioned ones for whoever has control.
+        let control = control::hold(served.port, "bench").await?;
+        let request = Request {
+            control: Some(control.token()),
+            ..posted(MOTION, 202)
+        };
+        motion.push(http(served.port, &motions, request).await?);
+        let _free = control.release().await?;
+        let page = Request {
+            status: 200,
+            ..Request::default()
+        };
+        axum.push(http(bare, &hello, page).await?);
     }
 
     let plural = if robots == 1 { "" } else { "s" };

@@ -36,6 +36,8 @@ pub(crate) async fn run(first_port: u16, robots: usize) -> Result<()> {
     let server = ServerSection {
         demo: true,
         legacy_robot: Some("bench/r0".to_owned()),
+        // The whole load comes from one address, and may begin all at once.
+        max_waiting_per_address: 1_000,
         ..ServerSection::default()
     };
     let plan = Plan::try_new(&server, &[cell])?;

@@ -10,11 +10,13 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use anyhow::Result;
+use api::ControlToken;
 use benches::processes;
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio::net::{TcpSocket, TcpStream};
 use tokio::time::sleep;
 
+use crate::client::post_controlled;
 use crate::motions::{self, BODY};
 use crate::plant::{MUTE, UNREACHABLE};
 
@@ -28,7 +30,7 @@ const PAUSE: Duration = Duration::from_millis(20);
 
 /// Attacks until the parent wants no more; then says how many connections it made.
 #[expect(clippy::print_stdout, reason = "the count goes to the parent")]
-pub(crate) async fn run(port: u16) -> Result<()> {
+pub(crate) async fn run(port: u16, control: ControlToken) -> Result<()> {
     let server = SocketAddr::from((Ipv4Addr::LOCALHOST, port));
     let made = Arc::new(AtomicU64::new(0));
     for number in 0..=CONNECTIONS {
@@ -46,7 +48,7 @@ pub(crate) async fn run(port: u16) -> Result<()> {
         for caller in 0..CALLERS_OF_A_DEAD_ROBOT {
             drop(tokio::spawn(async move {
                 loop {
-                    let _ = call_dead_robot(robot, caller, server).await;
+                    let _ = call_dead_robot(robot, caller, server, control).await;
                     sleep(10 * PAUSE).await;
                 }
             }));
@@ -121,9 +123,14 @@ async fn drip_answer(stream: &mut TcpStream) -> Result<()> {
 }
 
 /// Asks for a motion, and stays until it is answered.
-async fn call_dead_robot(robot: usize, caller: usize, server: SocketAddr) -> Result<()> {
+async fn call_dead_robot(
+    robot: usize,
+    caller: usize,
+    server: SocketAddr,
+    control: ControlToken,
+) -> Result<()> {
     let key = format!("dead-{}-{caller}", motions::run_id());
-    let request = crate::client::post(&motions::path(robot), &key, BODY);
+    let request = post_controlled(&motions::path(robot), &key, control, BODY);
     let mut stream = TcpStream::connect(server).await?;
     stream.write_all(&request).await?;
     let mut answer = [0_u8; 4096];

@@ -5,6 +5,7 @@ use std::net::{Ipv4Addr, SocketAddr, TcpStream};
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, bail, ensure};
+use api::ControlToken;
 use serde_json::Value;
 
 /// The longest an answer is waited for.
@@ -123,8 +124,17 @@ pub(crate) fn get(path: &str) -> Vec<u8> {
 
 /// A `POST` of JSON with a key of its own.
 pub(crate) fn post(path: &str, key: &str, body: &str) -> Vec<u8> {
+    posted(path, key, "", body)
+}
+
+/// A `POST` of JSON by whoever has control.
+pub(crate) fn post_controlled(path: &str, key: &str, control: ControlToken, body: &str) -> Vec<u8> {
+    posted(path, key, &format!("Control-Token: {control}\r\n"), body)
+}
+
+fn posted(path: &str, key: &str, more: &str, body: &str) -> Vec<u8> {
     format!(
-        "POST {path} HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n\
+        "POST {path} HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n{more}\
          Idempotency-Key: {key}\r\nContent-Length: {}\r\n\r\n{body}",
         body.len()
     )

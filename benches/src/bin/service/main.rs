@@ -27,7 +27,12 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::Result;
+use api::ControlToken;
 use clap::{Parser, Subcommand};
+
+/// As the shipped program has it.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 /// The service goals, with and without an attack.
 #[derive(Debug, Parser)]
@@ -67,6 +72,8 @@ enum Role {
     Attack {
         /// The server's port.
         port: u16,
+        /// The token of whoever has control of the cell.
+        control: ControlToken,
     },
 }
 
@@ -80,7 +87,7 @@ fn main() -> Result<()> {
             Some(Role::Robots) => plant::run().await,
             Some(Role::Served { ports, journal }) => served::run(&ports, &journal).await,
             Some(Role::Echo) => echo::run().await,
-            Some(Role::Attack { port }) => attack::run(port).await,
+            Some(Role::Attack { port, control }) => attack::run(port, control).await,
             None => {
                 let slice = Duration::from_secs_f64(cli.seconds);
                 report::run(&cli.disk, slice, cli.repeats, cli.records).await

@@ -2,7 +2,9 @@
 
 use std::time::SystemTime;
 
-use crate::client::{Client, post};
+use api::ControlToken;
+
+use crate::client::{Client, post_controlled};
 use crate::plant::NOT_STOPPED;
 use crate::schedule::Load;
 use crate::served::CELL;
@@ -14,14 +16,14 @@ pub(crate) const TARGET_MS: f64 = 25.0;
 /// The thesis's home pose.
 pub(crate) const BODY: &str = r#"{"type":"JOINT","target":{"pose":{"x_mm":985,"y_mm":0,"z_mm":940,"w_deg":-180,"p_deg":0,"r_deg":0}},"speed_mm_s":200}"#;
 
-pub(crate) fn load(port: u16) -> Load {
+pub(crate) fn load(port: u16, control: ControlToken) -> Load {
     Load::new("POST motion", RATE, 12, move |worker| {
         let mut client = Client::new(port);
         let path = path(worker % NOT_STOPPED);
         let run = run_id();
         Box::new(move |number| {
             let key = format!("{run}-{worker}-{number}");
-            client.http(&post(&path, &key, BODY), 202)
+            client.http(&post_controlled(&path, &key, control, BODY), 202)
         })
     })
 }

@@ -4,11 +4,14 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Context as _, Result};
+use api::ControlToken;
+use benches::control;
 use benches::processes::{self, Part};
 use tokio::task::spawn_blocking;
 
 use crate::memory::{TARGET_ATTACKED_MIB, TARGET_MIB};
 use crate::schedule::{self, Load, Measured};
+use crate::served::CELL;
 use crate::{descriptors, disk, echo, memory, motions, plant, probe, restart, state, stops};
 
 const ECHO: usize = 0;
@@ -41,17 +44,24 @@ pub(crate) async fn run(
         slice.as_secs_f64()
     );
     let memory = blocking(&server, move |port| memory::measure(port, process)).await?;
+    let held = control::hold(server.port, CELL).await?;
+    let control = held.token();
     let (mut calm, mut attacked) = (Vec::new(), Vec::new());
     let mut made = 0;
     for _ in 0..repeats {
-        add(&mut calm, load(&server, &echo, files.path(), slice).await?);
-        let attack = processes::start(&["attack".to_owned(), server.port.to_string()]).await?;
-        add(
-            &mut attacked,
-            load(&server, &echo, files.path(), slice).await?,
-        );
+        let alone = load(&server, &echo, control, files.path(), slice).await?;
+        add(&mut calm, alone);
+        let arguments = [
+            "attack".to_owned(),
+            server.port.to_string(),
+            control.to_string(),
+        ];
+        let attack = processes::start(&arguments).await?;
+        let beside = load(&server, &echo, control, files.path(), slice).await?;
+        add(&mut attacked, beside);
         made += attack.finish().await?.trim().parse::<u64>()?;
     }
+    let _free = held.release().await?;
     latencies("nothing is wrong", &calm);
     latencies(
         "256 slow connections, both dead robots' queues full",
@@ -107,6 +117,7 @@ async fn blocking<T: Send + 'static>(
 async fn load(
     server: &Part,
     echo: &Part,
+    control: ControlToken,
     directory: &Path,
     slice: Duration,
 ) -> Result<Vec<Measured>> {
@@ -116,7 +127,7 @@ async fn load(
             echo::load(echo, state::RATE),
             disk::load(&directory, motions::RATE),
             state::load(server),
-            motions::load(server),
+            motions::load(server, control),
         ];
         loads.extend(stops::load(server));
         schedule::run(&loads, slice)

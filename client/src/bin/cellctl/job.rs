@@ -425,7 +425,8 @@ fn table(list: &JobList) -> String {
             format!("{}/{}", job.steps_done, job.steps),
             job.mobile_robot.clone().unwrap_or_default(),
             match job.queue_position {
-                Some(place) => format!("number {place} in the queue"),
+                Some(place) if job.text.is_empty() => format!("number {place} in the queue"),
+                Some(place) => format!("number {place} in the queue: {}", job.text),
                 None => format!("{asks}{}", job.text),
             },
         ]);

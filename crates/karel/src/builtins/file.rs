@@ -17,7 +17,6 @@ use crate::{
     },
     status::{Status, attribute},
     text_reader::LineState,
-    types::{Type, split_text_array},
     value::Text,
 };
 
@@ -29,6 +28,10 @@ pub(super) const TABLE: &[Builtin] = &[
     Builtin { name: "DELETE_FILE", params: &[Param::Text, Param::Boolean, Param::OutInteger], required: 3, returns: Returns::Nothing, code: delete_file },
     Builtin { name: "DISMOUNT_DEV", params: &[Param::Text, Param::OutInteger], required: 2, returns: Returns::Nothing, code: mount },
     Builtin { name: "FILE_LIST", params: &[Param::Text, Param::Integer, Param::Integer, Param::TextArray, Param::OutInteger, Param::OutInteger], required: 6, returns: Returns::Nothing, code: file_list },
+    Builtin { name: "CHECK_NAME", params: &[Param::Text, Param::OutInteger], required: 2, returns: Returns::Nothing, code: check_name },
+    Builtin { name: "PRINT_FILE", params: &[Param::Text, Param::Boolean, Param::OutInteger], required: 3, returns: Returns::Nothing, code: refuse },
+    Builtin { name: "PURGE_DEV", params: &[Param::Text, Param::OutInteger], required: 2, returns: Returns::Nothing, code: mount },
+    Builtin { name: "TRANSLATE", params: &[Param::Text, Param::Boolean, Param::OutInteger], required: 3, returns: Returns::Nothing, code: refuse },
     Builtin { name: "FORMAT_DEV", params: &[Param::Text, Param::Text, Param::Boolean, Param::OutInteger], required: 4, returns: Returns::Nothing, code: format_device },
     Builtin { name: "MOUNT_DEV", params: &[Param::Text, Param::OutInteger], required: 2, returns: Returns::Nothing, code: mount },
     Builtin { name: "MSG_PING", params: &[Param::Text, Param::OutInteger], required: 2, returns: Returns::Nothing, code: ping },
@@ -163,6 +166,34 @@ fn mount(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     Ok(Outcome::Done)
 }
 
+/// What this controller cannot do: it has no printer, and sources are translated outside. The status
+/// is 12320, as for a built-in of an option that is missing.
+fn refuse(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    context.put_status(2, Status::INTP_UNDEFINED_BUILTIN);
+    Ok(Outcome::Done)
+}
+
+/// ASSUMPTION: a letter first, then letters, digits and `_`, 36 at most; behind a device and with
+/// an extension.
+fn check_name(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    let whole = name(context, 0);
+    let last = whole.rsplit(':').next().unwrap_or(&whole);
+    let (stem, extension) = last.split_once('.').unwrap_or((last, "X"));
+    let legal = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let good = stem.starts_with(|c: char| c.is_ascii_alphabetic())
+        && stem.len() <= 36
+        && stem.chars().all(legal)
+        && !extension.is_empty()
+        && extension.chars().all(legal);
+    let status = if good {
+        Status::OK
+    } else {
+        Status::FILE_ILLEGAL_PARAMETER
+    };
+    context.put_status(1, status);
+    Ok(Outcome::Done)
+}
+
 fn format_device(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     let device = name(context, 0);
     let operation = FileOperation::Format(&device);
@@ -177,22 +208,11 @@ fn format_device(context: &mut Context<'_>) -> Result<Outcome, Fault> {
 fn file_list(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     let pattern = name(context, 0);
     let skip = usize::try_from(context.integer(1)).unwrap_or(0);
-    let at = context.variable(3);
-    let room = super::variable::array_length(context.ty(3), at.extra);
-    let mut longest = split_text_array(at.extra).1;
-    if let Type::Array(array) = context.ty(3) {
-        longest = array.element.length().unwrap_or(longest);
-    }
     let (count, status) = match context.host.list_files(context.task, &pattern) {
         Ok(names) => {
-            let mut count = 0;
-            for (found, offset) in names.iter().skip(skip).zip(0..room) {
-                let mut text = Text::from(found.as_str());
-                text.truncate(longest as usize);
-                context.memory.set(at.plus(offset), Cell::Text(text));
-                count = offset + 1;
-            }
-            (i32::try_from(count).unwrap_or(i32::MAX), Status::OK)
+            let texts = names.iter().skip(skip);
+            let texts = texts.map(|name| Text::from(name.as_str()));
+            (context.put_texts(3, texts), Status::OK)
         }
         Err(status) => (0, status),
     };

@@ -3,7 +3,7 @@
 use super::{Builtin, Context, Outcome, Param, Returns};
 use crate::{
     frame::{Frame, Vector},
-    machine::{cell::Cell, fault::Fault},
+    machine::{cell::Cell, fault::Fault, real},
     position::{Config, Position, XyzwprExt},
     status::Status,
     types::PositionKind,
@@ -54,16 +54,6 @@ fn vector(context: &Context<'_>, number: usize) -> Result<Vector, Fault> {
         *component = f64::from(*value);
     }
     Ok(Vector(components))
-}
-
-/// Rounds to a REAL.
-fn real(value: f64) -> Result<f32, Fault> {
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "rounding to REAL is meant; range is checked"
-    )]
-    let rounded = value as f32;
-    crate::machine::finite(rounded)
 }
 
 fn put_vector(context: &mut Context<'_>, value: Vector) -> Result<Outcome, Fault> {

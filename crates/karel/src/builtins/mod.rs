@@ -1,33 +1,45 @@
 //! Built-in routines: one table of names, signatures and code.
 
 mod convert;
+mod dictionary;
 mod file;
 mod geometry;
 mod joints;
+mod keyboard;
 mod math;
 mod motion;
 mod panel;
+mod path;
+mod port_setup;
 mod ports;
+mod queue;
 mod register;
 mod semaphore;
 mod string;
 mod task;
+mod teaching;
 mod time;
 mod variable;
+mod variable_file;
+mod variable_list;
 
 use std::time::Duration;
 
 use crate::{
-    host::{Host, TaskId, Wait},
+    host::{FileOperation, Host, InputEnd, OpenMode, Progress, TaskId, Wait},
     ir::BuiltinSite,
     machine::{
-        Loaded, Tasks,
+        Loaded, Names, Tasks,
         cell::{Address, Cell, Memory},
+        created::Created,
+        dictionaries::Dictionaries,
         fault::Fault,
+        paths::Paths,
         semaphore::Semaphores,
         task::{Argument, Pending},
+        teaching::Teaching,
     },
-    port::Comments,
+    port::{Comments, PortSetup},
     position::{JointPosition, XyzwprExt},
     program::Program,
     registers::Registers,
@@ -72,6 +84,8 @@ pub(crate) enum Param {
     OutPosition,
     /// A variable, ARRAY OF REAL.
     RealArray,
+    /// A variable, ARRAY OF INTEGER.
+    IntegerArray,
     /// A variable, ARRAY OF STRING.
     TextArray,
     /// Read, perhaps written: a variable, or a constant, which is only read.
@@ -84,6 +98,10 @@ pub(crate) enum Param {
     /// A variable of any type, not read.
     AnyVariable,
     AnyArray,
+    /// A PATH variable.
+    Path,
+    /// A `QUEUE_TYPE` variable.
+    Queue,
     /// Any value; a variable may be uninitialized.
     AnyValue,
 }
@@ -137,19 +155,27 @@ pub(crate) fn names() -> Vec<&'static str> {
 fn tables() -> impl Iterator<Item = &'static Builtin> {
     let tables = [
         convert::TABLE,
+        dictionary::TABLE,
         file::TABLE,
         geometry::TABLE,
         joints::TABLE,
+        keyboard::TABLE,
         math::TABLE,
         motion::TABLE,
         panel::TABLE,
+        path::TABLE,
+        port_setup::TABLE,
         ports::TABLE,
+        queue::TABLE,
         register::TABLE,
         semaphore::TABLE,
         string::TABLE,
         task::TABLE,
+        teaching::TABLE,
         time::TABLE,
         variable::TABLE,
+        variable_file::TABLE,
+        variable_list::TABLE,
     ];
     tables.into_iter().flatten()
 }
@@ -157,86 +183,31 @@ fn tables() -> impl Iterator<Item = &'static Builtin> {
 /// Built-ins that exist on a controller and not here: they deserve a better message than a typing
 /// error.
 const PLANNED: &[&str] = &[
-    "ADD_DICT",
-    "APPEND_NODE",
-    "APPEND_QUEUE",
-    "AVL_POS_NUM",
-    "BYNAME",
-    "CHECK_DICT",
-    "CHECK_NAME",
-    "CLOSE_TPE",
-    "CLR_PORT_SIM",
+    "ACT_TBL",
+    "DELETE_TPE",
     "CNC_DYN_DISB",
     "CNC_DYN_DISE",
     "CNC_DYN_DISI",
     "CNC_DYN_DISP",
     "CNC_DYN_DISR",
     "CNC_DYN_DISS",
-    "CNCL_STP_MTN",
-    "COPY_PATH",
-    "COPY_QUEUE",
-    "COPY_TPE",
-    "CREATE_TPE",
-    "CREATE_VAR",
-    "DEL_INST_TPE",
-    "DELETE_NODE",
-    "DELETE_QUEUE",
     "DISCTRL_ALPH",
     "DISCTRL_FORM",
     "DISCTRL_LIST",
     "DISCTRL_PLMN",
     "DISCTRL_SBMN",
     "DISCTRL_TBL",
-    "GET_ATTR_PRG",
-    "GET_JPOS_TPE",
-    "GET_PORT_ASG",
-    "GET_PORT_MOD",
-    "GET_PORT_SIM",
-    "GET_POS_FRM",
-    "GET_POS_TPE",
-    "GET_POS_TYP",
-    "GET_QUEUE",
-    "GET_TPE_CMT",
     "INI_DYN_DISB",
     "INI_DYN_DISE",
     "INI_DYN_DISI",
     "INI_DYN_DISP",
     "INI_DYN_DISR",
     "INI_DYN_DISS",
-    "INIT_QUEUE",
     "INIT_TBL",
-    "INSERT_NODE",
-    "INSERT_QUEUE",
-    "LOAD",
-    "MODIFY_QUEUE",
-    "NODE_SIZE",
-    "OPEN_TPE",
-    "PATH_LEN",
-    "POP_KEY_RD",
-    "PRINT_FILE",
-    "PURGE_DEV",
-    "PUSH_KEY_RD",
-    "READ_DICT",
     "READ_DICT_V",
-    "READ_KB",
-    "REMOVE_DICT",
-    "RENAME_VAR",
     "RESET",
-    "SAVE",
     "SEND_DATAPC",
-    "SET_ATTR_PRG",
-    "SET_JPOS_TPE",
-    "SET_PORT_ASG",
-    "SET_PORT_MOD",
-    "SET_PORT_SIM",
-    "SET_POS_TPE",
-    "SET_TPE_CMT",
-    "SET_TRNS_TPE",
-    "TRANSLATE",
-    "VAR_INFO",
-    "VAR_LIST",
     "VOL_SPACE",
-    "WRITE_DICT",
     "WRITE_DICT_V",
 ];
 
@@ -258,6 +229,11 @@ pub(crate) struct Context<'a> {
     /// Arguments of the programs that were called, and how many callers there were.
     pub(crate) arguments: &'a [(usize, Vec<Argument>)],
     pub(crate) comments: &'a mut Comments,
+    pub(crate) paths: &'a mut Paths,
+    pub(crate) created: &'a mut Created,
+    pub(crate) dictionaries: &'a mut Dictionaries,
+    pub(crate) port_setup: &'a mut PortSetup,
+    pub(crate) teaching: &'a mut Teaching,
     pub(crate) running: Running<'a>,
     pub(crate) limits: &'a Limits,
     pub(crate) host: &'a mut dyn Host,
@@ -276,6 +252,16 @@ pub(crate) struct Running<'a> {
 }
 
 impl Context<'_> {
+    /// What finds a variable by its name.
+    fn names(&self) -> Names<'_> {
+        Names {
+            programs: self.programs,
+            paths: self.paths,
+            created: self.created,
+            globals: self.memory.globals,
+        }
+    }
+
     fn arg(&self, number: usize) -> &Cell {
         let index = number + usize::from(self.site.result_in_memory);
         self.operands
@@ -354,6 +340,53 @@ impl Context<'_> {
 
     fn put_status(&mut self, number: usize, status: Status) {
         self.put(number, Cell::Integer(status.0));
+    }
+
+    /// Stores texts into an array of strings from its first element on, as many as fit, cut to the
+    /// length of its strings. How many those were.
+    fn put_texts(&mut self, number: usize, texts: impl Iterator<Item = Text>) -> i32 {
+        let at = self.variable(number);
+        let room = variable::array_length(self.ty(number), at.extra);
+        let mut longest = crate::types::split_text_array(at.extra).1;
+        if let Type::Array(array) = self.ty(number) {
+            longest = array.element.length().unwrap_or(longest);
+        }
+        let mut count = 0;
+        for (mut text, offset) in texts.zip(0..room) {
+            text.truncate(longest as usize);
+            self.memory.set(at.plus(offset), Cell::Text(text));
+            count += 1;
+        }
+        count
+    }
+
+    /// The bytes of a file that can be read at once.
+    fn read_file(&mut self, name: &str) -> Result<Vec<u8>, Status> {
+        let file = self.host.open_file(self.task, OpenMode::ReadOnly, name)?;
+        let input = self.host.input(file);
+        let bytes = match input.end {
+            InputEnd::Closed(_) => Ok(input.bytes.to_vec()),
+            // A connection or a pipe.
+            InputEnd::Open => Err(Status::FILE_ILLEGAL_PARAMETER),
+        };
+        let _closed = self.host.close_file(file);
+        bytes
+    }
+
+    /// Replaces a file.
+    fn write_file(&mut self, name: &str, bytes: &[u8]) -> Result<(), Status> {
+        let _none = self
+            .host
+            .file_operation(self.task, FileOperation::Delete(name));
+        let file = self.host.open_file(self.task, OpenMode::ReadWrite, name)?;
+        let written = self.host.output(file, bytes);
+        let closed = self.host.close_file(file);
+        match written {
+            Progress::Ready(status) if !status.is_ok() => Err(status),
+            Progress::Ready(_) if !closed.is_ok() => Err(closed),
+            Progress::Ready(_) => Ok(()),
+            Progress::Pending(_) => Err(Status::INTP_WRITE_FAILED),
+        }
     }
 
     /// Stores a string, cut to the variable's length.

@@ -1,7 +1,12 @@
 //! The robot's position.
 
 use super::{Builtin, Context, Outcome, Param, Returns};
-use crate::{machine::fault::Fault, position::Position, types::PositionKind};
+use crate::{
+    machine::{cell::Cell, fault::Fault},
+    position::Position,
+    status::Status,
+    types::PositionKind,
+};
 
 #[rustfmt::skip]
 pub(super) const TABLE: &[Builtin] = &[
@@ -10,6 +15,10 @@ pub(super) const TABLE: &[Builtin] = &[
         params: &[Param::Position(PositionKind::XyzwprExt), Param::Position(PositionKind::Position), Param::Position(PositionKind::Position), Param::OutInteger, Param::Integer],
         required: 4, returns: Returns::Nothing, code: check_epos,
     },
+    Builtin { name: "CNCL_STP_MTN", params: &[], required: 0, returns: Returns::Nothing, code: cancel_stopped },
+    Builtin { name: "LOCK_GROUP", params: &[Param::Integer, Param::OutInteger], required: 2, returns: Returns::Nothing, code: lock },
+    Builtin { name: "MOTION_CTL", params: &[Param::Integer], required: 1, returns: Returns::Boolean, code: has_control },
+    Builtin { name: "UNLOCK_GROUP", params: &[Param::Integer, Param::OutInteger], required: 2, returns: Returns::Nothing, code: lock },
     Builtin { name: "CURPOS", params: &[Param::OutInteger, Param::OutInteger, Param::Integer], required: 2, returns: Returns::XyzwprExt, code: curpos },
 ];
 
@@ -20,6 +29,31 @@ pub(super) fn group(context: &Context<'_>, number: usize) -> i32 {
     } else {
         1
     }
+}
+
+/// ASSUMPTION: it cancels whatever the arm does, as CANCEL.
+#[expect(clippy::unnecessary_wraps, reason = "the table's signature")]
+fn cancel_stopped(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    context.host.cancel_arm(context.task);
+    Ok(Outcome::Done)
+}
+
+/// ASSUMPTION: there is one group and nobody else wants it; a mask of others is INTP-322.
+#[expect(clippy::unnecessary_wraps, reason = "the table's signature")]
+fn lock(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    let status = if matches!(context.integer(0), 0 | 1) {
+        Status::OK
+    } else {
+        Status::INTP_ARGUMENT
+    };
+    context.put_status(1, status);
+    Ok(Outcome::Done)
+}
+
+#[expect(clippy::unnecessary_wraps, reason = "the table's signature")]
+fn has_control(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    let own = matches!(context.integer(0), 0 | 1);
+    Ok(Outcome::Value(Cell::Boolean(own)))
 }
 
 /// The first two arguments would tell of axis limits; they are accepted and not written.

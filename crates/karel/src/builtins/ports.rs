@@ -50,18 +50,24 @@ fn get_value(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     Ok(Outcome::Done)
 }
 
-/// ASSUMPTION: any value but 0 is ON; an input is not written.
+/// ASSUMPTION: any value but 0 is ON; an input is written only while it is simulated.
 fn set_value(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     let value = context.integer(2);
     let set = port(context).and_then(|(port, number, _)| {
-        if port.is_input() {
-            return Err(Status::INTP_ARGUMENT);
-        }
         let value = if port.is_switch() {
             PortValue::Switch(value != 0)
         } else {
             PortValue::Number(value)
         };
+        if port.is_input() {
+            if !context.host.port_is_simulated(port, number) {
+                return Err(Status::INTP_ARGUMENT);
+            }
+            let value = Some(value);
+            return context
+                .host
+                .simulate_port(context.task, port, number, value);
+        }
         context.host.set_port(context.task, port, number, value)
     });
     context.put_status(3, set.err().unwrap_or(Status::OK));

@@ -12,6 +12,7 @@ use crate::{
 pub(super) const TABLE: &[Builtin] = &[
     Builtin { name: "CLEAR_SEMA", params: &[Param::Integer], required: 1, returns: Returns::Nothing, code: clear },
     Builtin { name: "PEND_SEMA", params: &[Param::Integer, Param::Integer, Param::OutBoolean], required: 3, returns: Returns::Nothing, code: pend },
+    Builtin { name: "SEMA_COUNT", params: &[Param::Integer], required: 1, returns: Returns::Integer, code: sema_count },
     Builtin { name: "POST_SEMA", params: &[Param::Integer], required: 1, returns: Returns::Nothing, code: post },
 ];
 
@@ -29,6 +30,11 @@ fn count<'a>(context: &'a mut Context<'_>) -> Result<&'a mut i32, Fault> {
 fn clear(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     *count(context)? = 0;
     Ok(Outcome::Done)
+}
+
+fn sema_count(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    let count = *count(context)?;
+    Ok(Outcome::Value(Cell::Integer(count)))
 }
 
 fn post(context: &mut Context<'_>) -> Result<Outcome, Fault> {

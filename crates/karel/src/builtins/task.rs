@@ -11,7 +11,6 @@ use crate::{
     registers::Number,
     run::TaskState,
     status::{Status, task},
-    types::{Type, split_text_array},
     value::Text,
 };
 
@@ -293,24 +292,13 @@ fn select(context: &mut Context<'_>) -> Result<Outcome, Fault> {
 fn prog_list(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     let pattern = name(context, 0).to_ascii_uppercase();
     let skip = usize::try_from(context.integer(2)).unwrap_or(0);
-    let at = context.variable(4);
-    let room = super::variable::array_length(context.ty(4), at.extra);
-    let mut longest = split_text_array(at.extra).1;
-    if let Type::Array(array) = context.ty(4) {
-        longest = array.element.length().unwrap_or(longest);
-    }
     let start = pattern.trim_end_matches('*');
     let exact = start.len() == pattern.len();
     let names = context.programs.iter().map(Loaded::name);
     let fits = |name: &&str| name.starts_with(start) && (!exact || *name == start);
-    let mut count = 0;
-    for (found, offset) in names.filter(fits).skip(skip).zip(0..room) {
-        let mut text = Text::from(found);
-        text.truncate(longest as usize);
-        context.memory.set(at.plus(offset), Cell::Text(text));
-        count = offset + 1;
-    }
-    context.put(5, Cell::Integer(i32::try_from(count).unwrap_or(i32::MAX)));
+    let texts = names.filter(fits).skip(skip).map(Text::from);
+    let count = context.put_texts(4, texts);
+    context.put(5, Cell::Integer(count));
     if context.has_arg(6) {
         context.put_status(6, Status::OK);
     }

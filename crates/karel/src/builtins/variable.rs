@@ -11,7 +11,7 @@ use crate::{
     status::Status,
     syspath::SysPath,
     sysvars,
-    types::{Type, split_text_array},
+    types::{Type, split_grid, split_text_array},
     value::{SysValue, Value},
 };
 
@@ -42,6 +42,10 @@ pub(super) fn array_length(ty: &Type, extra: u32) -> u32 {
         return extra;
     };
     match array.dims.first() {
+        Some(0) => {
+            let lengths = split_grid(extra, array.dims.len());
+            lengths.first().copied().unwrap_or(0)
+        }
         Some(length) => *length,
         None if array.element == Type::TEXT => split_text_array(extra).0,
         None => extra,
@@ -151,7 +155,7 @@ fn set_program(
     path: &SysPath,
     value: Option<&Value>,
 ) -> Result<(), Status> {
-    let found = find_variable(context.programs, program, path)?;
+    let found = find_variable(context.names(), program, path)?;
     match value {
         None => context.memory.clear(found.at, &found.ty),
         Some(value) => {
@@ -167,7 +171,7 @@ fn set_program(
 fn get_var(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     let found = match target(context) {
         Ok(Target::System(path)) => get_system(context, &path),
-        Ok(Target::Program { program, path }) => find_variable(context.programs, &program, &path)
+        Ok(Target::Program { program, path }) => find_variable(context.names(), &program, &path)
             .and_then(|found| {
                 context
                     .memory

@@ -49,30 +49,9 @@ impl Checker<'_> {
                 }
                 (found, ty)
             }
-            Param::RealArray => {
-                let (found, ty) = self.any_variable(arg, false);
-                let mut fits = ty == Type::Error;
-                if let Type::Array(array) = &ty {
-                    fits = array.element == Type::Real && array.dims.len() <= 1;
-                }
-                if !fits {
-                    let message = format!("expected an ARRAY OF REAL, this is {ty}");
-                    self.reports.error(arg.span, message);
-                }
-                (found, ty)
-            }
-            Param::TextArray => {
-                let (found, ty) = self.any_variable(arg, false);
-                let mut fits = ty == Type::Error;
-                if let Type::Array(array) = &ty {
-                    fits = array.element.is_text() && array.dims.len() <= 1;
-                }
-                if !fits {
-                    let message = format!("expected an ARRAY OF STRING, this is {ty}");
-                    self.reports.error(arg.span, message);
-                }
-                (found, ty)
-            }
+            Param::RealArray => self.array_arg(arg, "REAL", |ty| *ty == Type::Real),
+            Param::IntegerArray => self.array_arg(arg, "INTEGER", |ty| *ty == Type::Integer),
+            Param::TextArray => self.array_arg(arg, "STRING", Type::is_text),
             Param::OutConfig => self.out_arg(arg, &Type::Config),
             Param::OutBoolean => self.out_arg(arg, &Type::Boolean),
             Param::OutInteger => self.out_arg(arg, &Type::Integer),
@@ -86,6 +65,22 @@ impl Checker<'_> {
                 if !matches!(ty, Type::Array(_) | Type::Error) {
                     self.reports
                         .error(arg.span, format!("expected an array, this is {ty}"));
+                }
+                (found, ty)
+            }
+            Param::Path => {
+                let (found, ty) = self.any_variable(arg, false);
+                if !matches!(ty, Type::Path(_) | Type::Error) {
+                    let message = format!("expected a PATH, this is {ty}");
+                    self.reports.error(arg.span, message);
+                }
+                (found, ty)
+            }
+            Param::Queue => {
+                let (found, ty) = self.any_variable(arg, false);
+                if !ty.is_queue() && ty != Type::Error {
+                    let message = format!("expected a QUEUE_TYPE, this is {ty}");
+                    self.reports.error(arg.span, message);
                 }
                 (found, ty)
             }
@@ -131,6 +126,24 @@ impl Checker<'_> {
             | ExprKind::ToJoints(_) => Arg::Discard,
         };
         (arg, ty)
+    }
+
+    fn array_arg(
+        &mut self,
+        arg: &ast::Expr,
+        name: &str,
+        is_element: fn(&Type) -> bool,
+    ) -> (Arg, Type) {
+        let (found, ty) = self.any_variable(arg, false);
+        let mut fits = ty == Type::Error;
+        if let Type::Array(array) = &ty {
+            fits = is_element(&array.element) && array.dims.len() <= 1;
+        }
+        if !fits {
+            let message = format!("expected an ARRAY OF {name}, this is {ty}");
+            self.reports.error(arg.span, message);
+        }
+        (found, ty)
     }
 
     fn expect_joints(&mut self, ty: &Type, span: Span) {
@@ -193,7 +206,10 @@ impl Checker<'_> {
         } else {
             value.ty
         };
-        if matches!(ty, Type::File | Type::Array(_) | Type::Structure(_)) {
+        if matches!(
+            ty,
+            Type::File | Type::Array(_) | Type::Structure(_) | Type::Path(_)
+        ) {
             self.reports.error(
                 arg.span,
                 format!("a value of type {ty} is not supported here yet"),

@@ -74,6 +74,9 @@ impl Checker<'_> {
             let message = format!("`{}` is not a routine", name.text);
             self.reports
                 .error_with_help(name.span, message, "subscripts stand in `[` and `]`");
+        } else if name.text == "BYNAME" {
+            let message = "BYNAME stands only as an argument of a routine of a program";
+            self.reports.error(name.span, message);
         } else if builtins::is_planned(&name.text) {
             let message = format!("the built-in {} is not supported yet", name.text);
             self.reports.error(name.span, message);
@@ -156,12 +159,23 @@ impl Checker<'_> {
     /// By reference if the actual argument is a variable of exactly the formal type; otherwise a
     /// copy: expressions, constants, `(variable)`, and whatever is converted.
     fn user_arg(&mut self, arg: &ast::Expr, formal: &Type) -> Arg {
+        if let ast::ExprKind::Call { name, args } = &arg.kind
+            && name.text == "BYNAME"
+            && self.signature(&name.text).is_none()
+        {
+            return self.by_name(name, args, formal);
+        }
         let value = self.expr(arg);
         let is_variable = matches!(arg.kind, ast::ExprKind::Path(_));
         if let ExprKind::Place(place) = value.kind {
             if is_variable && passes_by_reference(&place.ty, formal) {
-                return match text_array(&place.ty, formal) {
-                    Some(lengths) => Arg::TextArray { place, lengths },
+                return match open_lengths(&place.ty, formal) {
+                    Some(Some(lengths)) => Arg::OpenArray { place, lengths },
+                    Some(None) => {
+                        let message = format!("{} is too long for {formal}", place.ty);
+                        self.reports.error(arg.span, message);
+                        Arg::Discard
+                    }
                     None => Arg::Reference(place),
                 };
             }
@@ -174,13 +188,31 @@ impl Checker<'_> {
         self.copied_arg(value, formal, arg.span)
     }
 
+    /// `BYNAME(program, variable, entry)`: the entry is an opaque cache and is not looked at.
+    fn by_name(&mut self, name: &Name, args: &[ast::Expr], formal: &Type) -> Arg {
+        let [program, variable, entry] = args else {
+            self.wrong_count(name, args.len(), 3, 3);
+            return Arg::Discard;
+        };
+        let _entry = self.integer(entry);
+        Arg::ByName {
+            program: self.expr_of(program, &Type::TEXT),
+            variable: self.expr_of(variable, &Type::TEXT),
+            formal: formal.clone(),
+        }
+    }
+
     fn copied_arg(&mut self, value: Expr, formal: &Type, span: Span) -> Arg {
         let value = self.convert(value, formal, span);
         if value.ty.holds_file() {
-            self.reports
-                .error(span, "a FILE can only be passed as a variable");
+            let what = if matches!(value.ty, Type::Path(_)) {
+                "a PATH can only be passed as a variable"
+            } else {
+                "a FILE can only be passed as a variable"
+            };
+            self.reports.error(span, what);
         }
-        let open = matches!(formal, Type::Array(array) if array.dims.is_empty());
+        let open = matches!(formal, Type::Array(array) if array.is_open());
         if matches!(formal, Type::Array(array) if array.element == Type::TEXT) {
             self.reports
                 .error(span, "an array of strings can only be passed as a variable");
@@ -236,18 +268,23 @@ pub(super) fn result_type(builtin: &Builtin, types: &[Type]) -> Option<Type> {
     }
 }
 
-/// Both lengths of an array of strings that is passed where both are open.
-fn text_array(actual: &Type, formal: &Type) -> Option<u32> {
+/// The lengths that a reference to an array carries where several of them are open: `None` if
+/// there is no need for that, nothing in it if they are too long.
+#[expect(clippy::option_option, reason = "not needed, and not possible")]
+fn open_lengths(actual: &Type, formal: &Type) -> Option<Option<u32>> {
     let (Type::Array(from), Type::Array(to)) = (actual, formal) else {
         return None;
     };
+    if to.is_open_grid() && !from.is_open_grid() {
+        return Some(types::grid_lengths(&from.dims));
+    }
     if to.element != Type::TEXT {
         return None;
     }
     let ([length], Some(text)) = (from.dims.as_slice(), from.element.length()) else {
         return None;
     };
-    Some(types::text_array_lengths(*length, text))
+    Some(Some(types::text_array_lengths(*length, text)))
 }
 
 fn passes_by_reference(actual: &Type, formal: &Type) -> bool {
@@ -256,6 +293,9 @@ fn passes_by_reference(actual: &Type, formal: &Type) -> bool {
         (Type::Array(from), Type::Array(to)) if to.dims.is_empty() => {
             let texts = to.element == Type::TEXT && from.element.is_text();
             (from.element == to.element || texts) && from.dims.len() <= 1
+        }
+        (Type::Array(from), Type::Array(to)) if to.is_open_grid() => {
+            from.element == to.element && from.dims.len() == to.dims.len()
         }
         _ => actual == formal,
     }

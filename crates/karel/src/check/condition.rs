@@ -6,7 +6,6 @@ use crate::{
     ast::{Action, Path},
     span::Span,
     typed::{Condition, Conditions, Expr, Stmt, StmtKind, When},
-    types::{PositionKind, Type},
 };
 
 impl Checker<'_> {
@@ -44,36 +43,7 @@ impl Checker<'_> {
         })
     }
 
-    pub(super) fn move_to(
-        &mut self,
-        (target, via): (&ast::Expr, Option<&ast::Expr>),
-        waits: ast::Waits,
-        whens: &[ast::When],
-        until: Option<&ast::Conditions>,
-    ) -> Option<StmtKind> {
-        let wanted = Type::Position(PositionKind::XyzwprExt);
-        let target = self.expr_of(target, &wanted);
-        let via = via.map(|via| self.expr_of(via, &wanted));
-        let whens = self.whens(whens)?;
-        let until = match until {
-            Some(conditions) => {
-                let conditions = self.in_handler(HandlerPart::Condition, |checker| {
-                    checker.conditions(conditions)
-                });
-                Some(conditions?)
-            }
-            None => None,
-        };
-        Some(StmtKind::MoveTo {
-            target,
-            via,
-            waits,
-            whens,
-            until,
-        })
-    }
-
-    fn whens(&mut self, whens: &[ast::When]) -> Option<Vec<When>> {
+    pub(super) fn whens(&mut self, whens: &[ast::When]) -> Option<Vec<When>> {
         // All of them, for all of their messages.
         let checked: Vec<Option<When>> = whens.iter().map(|when| self.when(when)).collect();
         checked.into_iter().collect()
@@ -84,7 +54,9 @@ impl Checker<'_> {
             checker.conditions(&when.conditions)
         });
         let (actions, labels, frame_cells) = self.in_handler(HandlerPart::Actions, |checker| {
+            let along = std::mem::take(&mut checker.along);
             let actions: Vec<Stmt> = checker.stmts(&when.actions);
+            checker.along = along;
             checker.refuse_missing_labels();
             let cells = checker.locals.cells;
             (actions, checker.frame.next_label, cells)
@@ -100,7 +72,11 @@ impl Checker<'_> {
 
     /// Runs `check` where only names of the program are known: a handler outlives the routine that
     /// defines it.
-    fn in_handler<T>(&mut self, part: HandlerPart, check: impl FnOnce(&mut Self) -> T) -> T {
+    pub(super) fn in_handler<T>(
+        &mut self,
+        part: HandlerPart,
+        check: impl FnOnce(&mut Self) -> T,
+    ) -> T {
         let mut scope = Scope::default();
         let mut hidden = Vec::new();
         for (name, symbol) in &self.locals.symbols {
@@ -131,6 +107,13 @@ impl Checker<'_> {
     }
 
     fn condition(&mut self, condition: &ast::Condition) -> Option<Condition> {
+        if let ast::Condition::AtNode { at, .. } | ast::Condition::NodeTime { at, .. } = condition
+            && !self.along
+        {
+            let message = "a condition of a NODE stands only in the WHEN of a MOVE ALONG";
+            self.reports.error(*at, message);
+            return None;
+        }
         Some(match condition {
             ast::Condition::Expr(state) => Condition::State(self.boolean(state)),
             ast::Condition::Task { verb, task } => Condition::Task {
@@ -149,6 +132,16 @@ impl Checker<'_> {
             ast::Condition::Edge { port, edge } => Condition::Edge {
                 port: self.switch_port(port, "an edge")?,
                 edge: *edge,
+            },
+            ast::Condition::AtNode { node, .. } => {
+                Condition::AtNode(node.as_ref().map(|node| self.integer(node)))
+            }
+            ast::Condition::NodeTime {
+                time, side, node, ..
+            } => Condition::NodeTime {
+                time: self.integer(time),
+                side: *side,
+                node: self.integer(node),
             },
         })
     }

@@ -34,12 +34,17 @@ pub(super) fn predefined(name: &str) -> Option<Constant> {
         "TP_PANEL" => Constant::Integer(0),
         "CRT_PANEL" => Constant::Integer(1),
         _ if name.starts_with("SPI_") => return screen(name),
+        _ if name.starts_with("TPE_") || name.starts_with("PT_") => return editing(name),
         "TSK_STATUS" => Constant::Integer(crate::status::task::STATUS),
         "TSK_LINENUM" => Constant::Integer(crate::status::task::LINE),
         "TSK_PROGNAME" => Constant::Integer(crate::status::task::PROGRAM),
         "PG_RUNNING" => Constant::Integer(crate::status::task::RUNNING),
         "PG_PAUSED" => Constant::Integer(crate::status::task::PAUSED),
         "PG_ABORTED" => Constant::Integer(crate::status::task::ABORTED),
+        "AT_PROG_TYPE" => Constant::Integer(crate::status::attribute_of_program::TYPE),
+        "AT_PROG_NAME" => Constant::Integer(crate::status::attribute_of_program::NAME),
+        "AT_COMMENT" => Constant::Integer(crate::status::attribute_of_program::COMMENT),
+        "AT_PROG_SIZE" => Constant::Integer(crate::status::attribute_of_program::SIZE),
         "FINE" => Constant::Integer(1),
         "COARSE" => Constant::Integer(2),
         "NOSETTLE" => Constant::Integer(3),
@@ -50,6 +55,19 @@ pub(super) fn predefined(name: &str) -> Option<Constant> {
         "CIRCULAR" => Constant::Integer(8),
         _ => return None,
     })
+}
+
+/// For `OPEN_TPE` and `CREATE_TPE`.
+fn editing(name: &str) -> Option<Constant> {
+    Some(Constant::Integer(match name {
+        "TPE_RDACC" => crate::status::open_mode::READ,
+        "TPE_RWACC" => crate::status::open_mode::WRITE,
+        "TPE_NOREJ" | "PT_MNE_UNDEF" => 0,
+        "TPE_RDREJ" | "PT_MNE_JOB" => 1,
+        "TPE_WRTREJ" | "PT_MNE_PROC" => 2,
+        "TPE_ALLREJ" | "PT_MNE_MACRO" => 3,
+        _ => return None,
+    }))
 }
 
 /// Screens of the pendant, for `FORCE_SPMENU`.

@@ -39,6 +39,11 @@ impl Checker<'_> {
                         }
                         continue;
                     }
+                    // ASSUMPTION: nothing frees the nodes of a PATH when a routine returns.
+                    if !global && matches!(ty, Type::Path(_)) {
+                        let message = "a PATH must be a variable of the program, not of a routine";
+                        self.reports.error(written.span, message);
+                    }
                     let memory = self.memory(*storage, global);
                     for name in names {
                         if memory == Memory::Cmos {
@@ -103,7 +108,7 @@ impl Checker<'_> {
             let message = "only a program can use variables of another, not a routine";
             return self.reports.error(home.span, message);
         }
-        if ty.holds_file() {
+        if ty.holds_file() && !matches!(ty, Type::Path(_)) {
             let message = "a FILE variable cannot be shared between programs";
             return self.reports.error(name.span, message);
         }
@@ -207,7 +212,7 @@ impl Checker<'_> {
             }
             if ty.holds_file() {
                 self.reports
-                    .error(written.span, "a function cannot return a FILE");
+                    .error(written.span, "a function cannot return a FILE or a PATH");
             }
             ty
         });

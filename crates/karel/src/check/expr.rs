@@ -5,7 +5,7 @@ use crate::{
     ast::{self, BinaryOp, Relation, UnaryOp},
     builtins::{self, Builtin, Param},
     span::Span,
-    typed::{Arg, BuiltinCall, Constant, Expr, ExprKind, Op},
+    typed::{Arg, BuiltinCall, Constant, Expr, ExprKind, Op, Step},
     types::Type,
     value::Text,
 };
@@ -207,7 +207,13 @@ impl Checker<'_> {
         if expr.ty == Type::Error || *wanted == Type::Error || expr.ty == *wanted {
             return expr;
         }
+        let expr = if matches!(wanted, Type::Position(_)) {
+            node_position(expr)
+        } else {
+            expr
+        };
         match (&expr.ty, wanted) {
+            (Type::Position(from), Type::Position(to)) if from == to => expr,
             (Type::Integer, Type::Real) => to_real(expr),
             (Type::Text(_), Type::Text(_)) => expr,
             (Type::Position(_), Type::Position(_)) => Expr {
@@ -281,6 +287,19 @@ fn constant(constant: Constant) -> Expr {
         ty: constant.ty(),
         kind: ExprKind::Constant(constant),
     }
+}
+
+/// A standard node where a position is wanted: the position of the node.
+fn node_position(mut expr: Expr) -> Expr {
+    if let ExprKind::Place(place) = &mut expr.kind
+        && place.ty.is_standard_node()
+        && let Some((offset, ty)) = place.ty.field("NODE_POS")
+    {
+        place.steps.push(Step::Offset(offset));
+        place.ty = ty.clone();
+        expr.ty = ty;
+    }
+    expr
 }
 
 /// Stands for what was reported; never lowered.

@@ -6,6 +6,7 @@ mod condition;
 mod constant;
 mod decl;
 mod expr;
+mod motion;
 mod place;
 mod port;
 mod scope;
@@ -36,8 +37,12 @@ pub(crate) struct Checked {
     pub(crate) global_cells: u32,
     /// Cells of the globals that are FILE variables.
     pub(crate) global_files: Vec<u32>,
+    /// Cells of the globals that are PATH variables, and the size of a node.
+    pub(crate) global_paths: Vec<(u32, u32)>,
     /// Cells of the FILE variables that are windows of the pendant.
     pub(crate) windows: Vec<u32>,
+    /// Types by name.
+    pub(crate) types: HashMap<String, Type>,
     /// Names of the variables that keep their values without power.
     pub(crate) persistent: Vec<String>,
     /// Variables of other programs.
@@ -67,6 +72,7 @@ pub(crate) fn check(program: &ast::Program, reports: &mut Reports) -> Checked {
         frame: Frame::default(),
         windows: Vec::new(),
         handler: None,
+        along: false,
     };
     checker.directives(&program.directives);
     checker.program(program)
@@ -92,6 +98,8 @@ struct Checker<'a> {
     windows: Vec<(String, u32)>,
     /// What is checked belongs to a condition handler.
     handler: Option<Handler>,
+    /// Conditions of a MOVE ALONG are checked.
+    along: bool,
 }
 
 /// The part of a condition handler that is being checked.
@@ -223,6 +231,8 @@ impl Checker<'_> {
             name: self.program,
             global_cells: self.globals.cells,
             global_files: self.globals.files.clone(),
+            global_paths: self.globals.paths.clone(),
+            types: self.globals.types(),
             globals: self.globals.into_variables(),
             externals: self.externals,
             shared: self.shared,

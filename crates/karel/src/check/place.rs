@@ -35,6 +35,11 @@ impl Checker<'_> {
                 PathStep::Index { subscripts, span } => {
                     self.index_step(&mut place, subscripts, *span)?;
                 }
+                PathStep::Range { span, .. } => {
+                    let message = "a range of nodes stands only in MOVE ALONG";
+                    self.reports.error(*span, message);
+                    return None;
+                }
             }
         }
         Some(place)
@@ -61,12 +66,7 @@ impl Checker<'_> {
                 return None;
             }
             None if self.is_predefined_file(path) => {
-                let cell = self.window(&path.root.text);
-                return Some(Place {
-                    root: typed::Root::Global(cell),
-                    steps: Vec::new(),
-                    ty: Type::File,
-                });
+                return Some(self.window_place(&path.root.text));
             }
             None if predefined(&path.root.text).is_some() => {
                 let message = format!("`{}` is a constant, not a variable", path.root.text);
@@ -83,6 +83,15 @@ impl Checker<'_> {
             steps: Vec::new(),
             ty,
         })
+    }
+
+    pub(super) fn window_place(&mut self, name: &str) -> Place {
+        let cell = self.window(name);
+        Place {
+            root: typed::Root::Global(cell),
+            steps: Vec::new(),
+            ty: Type::File,
+        }
     }
 
     /// The cell of a FILE variable that exists without a declaration.
@@ -113,6 +122,17 @@ impl Checker<'_> {
             .iter()
             .map(|subscript| self.integer(subscript))
             .collect();
+        if let Type::Path(path) = place.ty.clone() {
+            let [subscript] = <[typed::Expr; 1]>::try_from(checked)
+                .map_err(|checked| {
+                    let message = format!("a PATH takes 1 subscript, here are {}", checked.len());
+                    self.reports.error(span, message);
+                })
+                .ok()?;
+            place.ty = path.node.clone();
+            place.steps.push(Step::Node(Box::new(subscript)));
+            return Some(());
+        }
         let Type::Array(array) = place.ty.clone() else {
             if place.ty != Type::Error {
                 self.reports
@@ -143,7 +163,12 @@ impl Checker<'_> {
             array.element.size()
         };
         place.ty = array.element.clone();
-        if !array.dims.is_empty() {
+        if array.is_open_grid() {
+            place.steps.push(Step::OpenGrid {
+                subscripts: checked,
+                element_cells,
+            });
+        } else if !array.dims.is_empty() {
             let dims = array.dims.clone();
             place.steps.push(Step::Index {
                 subscripts: checked,
@@ -214,6 +239,11 @@ impl Checker<'_> {
                         .collect();
                     pattern.push_str(&sysvars::subscript_pattern(checked.len()));
                     steps.push(SystemStep::Index(checked));
+                }
+                PathStep::Range { span, .. } => {
+                    let message = "a range of nodes stands only in MOVE ALONG";
+                    self.reports.error(*span, message);
+                    return None;
                 }
             }
         }

@@ -22,6 +22,8 @@ pub(super) struct Scope {
     pub(super) cells: u32,
     /// Cells of FILE variables.
     pub(super) files: Vec<u32>,
+    /// Cells of PATH variables, and the size of a node.
+    pub(super) paths: Vec<(u32, u32)>,
 }
 
 impl Scope {
@@ -39,6 +41,7 @@ impl Scope {
         }
         match ty {
             Type::File => self.files.push(cell),
+            Type::Path(path) => self.paths.push((cell, path.node.size())),
             Type::Array(array) => {
                 let size = array.element.size().max(1);
                 let mut offset = cell;
@@ -62,6 +65,18 @@ impl Scope {
             | Type::Small(_)
             | Type::Error => {}
         }
+    }
+
+    /// The types, for look-up by name at run time.
+    pub(super) fn types(&self) -> HashMap<String, Type> {
+        let types = self
+            .symbols
+            .iter()
+            .filter_map(|(name, symbol)| match symbol {
+                Symbol::Type(ty) => Some((name.clone(), ty.clone())),
+                Symbol::Variable { .. } | Symbol::Constant(_) => None,
+            });
+        types.collect()
     }
 
     /// The global variables, for look-up by name at run time.

@@ -59,7 +59,7 @@ impl Checker<'_> {
                 otherwise,
             } => Some(self.select(value, cases, otherwise.as_deref())),
             ast::StmtKind::Return(value) => self.return_statement(value.as_ref(), stmt.span),
-            ast::StmtKind::Read { file, items } => self.read(file.as_ref(), items, stmt.span),
+            ast::StmtKind::Read { file, items } => self.read(file.as_ref(), items),
             ast::StmtKind::Write { file, items } => self.write(file.as_ref(), items),
             ast::StmtKind::OpenFile { file, mode, name } => {
                 let (mode, name) = (
@@ -82,13 +82,13 @@ impl Checker<'_> {
             ast::StmtKind::Delay(time) => Some(StmtKind::Delay(self.integer(time))),
             ast::StmtKind::ConnectTimer(path) => self.timer(path).map(StmtKind::ConnectTimer),
             ast::StmtKind::DisconnectTimer(path) => self.timer(path).map(StmtKind::DisconnectTimer),
-            ast::StmtKind::MoveTo {
-                target,
+            ast::StmtKind::Move {
+                form,
                 via,
                 waits,
                 whens,
                 until,
-            } => self.move_to((target, via.as_ref()), *waits, whens, until.as_ref()),
+            } => self.move_statement((form, via.as_ref()), *waits, whens, until.as_ref()),
             ast::StmtKind::Condition {
                 number,
                 with,
@@ -112,11 +112,6 @@ impl Checker<'_> {
                 verb: *verb,
                 number: self.integer(number),
             }),
-            ast::StmtKind::Unsupported(what) => {
-                self.reports
-                    .error(stmt.span, format!("{what} is not supported yet"));
-                None
-            }
         }
     }
 
@@ -140,6 +135,12 @@ impl Checker<'_> {
             let _ = self.expr(value);
             return None;
         };
+        if matches!(place.ty, Type::Path(_)) {
+            let message = "a PATH cannot be assigned";
+            self.reports
+                .error_with_help(target.span, message, "COPY_PATH copies its nodes");
+            return None;
+        }
         if place.ty.holds_file() {
             self.reports
                 .error(target.span, "a FILE variable cannot be assigned");

@@ -6,8 +6,11 @@ use crate::{
     ast::{Item, ItemKind, Path},
     span::Span,
     typed::{Expr, ReadItem, StmtKind, WriteItem},
-    types::Type,
+    types::{JointKind, Type},
 };
+
+/// Most values of one item.
+const MAX_PARTS: u32 = 1000;
 
 /// File variables that exist without a declaration; WRITE shows their text on the pendant.
 pub(super) const PREDEFINED: &[&str] = &[
@@ -15,6 +18,7 @@ pub(super) const PREDEFINED: &[&str] = &[
     "CRTFUNC",
     "CRTPROMPT",
     "CRTSTATUS",
+    "INPUT",
     "OUTPUT",
     "TPDISPLAY",
     "TPERROR",
@@ -24,21 +28,14 @@ pub(super) const PREDEFINED: &[&str] = &[
 ];
 
 impl Checker<'_> {
-    pub(super) fn read(
-        &mut self,
-        file: Option<&Path>,
-        items: &[Item],
-        span: Span,
-    ) -> Option<StmtKind> {
+    pub(super) fn read(&mut self, file: Option<&Path>, items: &[Item]) -> Option<StmtKind> {
         let checked: Vec<Option<ReadItem>> =
             items.iter().map(|item| self.read_item(item)).collect();
-        let Some(file) = file else {
-            let message =
-                "READ without a FILE variable, from the pendant's keyboard, is not supported yet";
-            self.reports.error(span, message);
-            return None;
+        let file = match file {
+            Some(path) => self.file(path)?,
+            // The keyboard of the pendant.
+            None => self.window_place("INPUT"),
         };
-        let file = self.file(file)?;
         let items = checked.into_iter().collect::<Option<Vec<_>>>()?;
         Some(StmtKind::Read { file, items })
     }
@@ -79,18 +76,42 @@ impl Checker<'_> {
         Some(WriteItem::Value { value, formats })
     }
 
-    /// Whether values of this type have a text form.
+    /// Whether values of this type have a text form; of arrays and positions, their parts.
     fn expect_transferable(&mut self, statement: &str, ty: &Type, span: Span) -> Option<()> {
+        if ty.is_vector() {
+            return Some(());
+        }
         match ty {
-            Type::Integer | Type::Real | Type::Boolean | Type::Text(_) | Type::Small(_) => Some(()),
-            Type::Error => None,
-            Type::File
+            Type::Joints(JointKind::OfGroup) if statement == "READ" => {
+                let message = "READ of JOINTPOS does not know the number of axes";
+                let help = "use JOINTPOS6, or an array and CNV_REL_JPOS";
+                self.reports.error_with_help(span, message, help);
+                None
+            }
+            Type::Integer
+            | Type::Real
+            | Type::Boolean
+            | Type::Text(_)
             | Type::Config
-            | Type::Position(_)
+            | Type::Small(_)
             | Type::Joints(_)
-            | Type::Array(_)
-            | Type::Structure(_) => {
-                let message = format!("{statement} of {ty} is not supported yet");
+            | Type::Position(_) => Some(()),
+            Type::Array(array) if array.is_open() => {
+                let message = format!("{statement} of {ty} needs its elements");
+                self.reports.error(span, message);
+                None
+            }
+            Type::Array(array) => {
+                if ty.size() > MAX_PARTS {
+                    let message = format!("{statement} of more than {MAX_PARTS} values at once");
+                    self.reports.error(span, message);
+                    return None;
+                }
+                self.expect_transferable(statement, &array.element, span)
+            }
+            Type::Error => None,
+            Type::File | Type::Path(_) | Type::Structure(_) => {
+                let message = format!("{statement} of {ty} needs its parts");
                 self.reports.error(span, message);
                 None
             }

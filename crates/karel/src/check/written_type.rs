@@ -7,22 +7,13 @@ use crate::{
     ast::{Dim, Expr, Name, Param, TypeExpr, TypeKind},
     typed::Constant,
     types::{
-        ArrayType, Field, JointKind, MAX_CELLS, MAX_STRING, MAX_TYPE_DEPTH, PositionKind, Small,
+        ArrayType, Field, MAX_CELLS, MAX_NODE, MAX_OPEN_DIMS, MAX_STRING, MAX_TYPE_DEPTH, PathType,
         StructureType, TextLength, Type,
     },
 };
 
 /// Types of KAREL that this crate does not run yet.
-const NOT_YET: &[&str] = &[
-    "CAM_SETUP",
-    "COMMON_ASSOC",
-    "GROUP_ASSOC",
-    "MODEL",
-    "PATH",
-    "QUEUE_TYPE",
-    "STD_PTH_NODE",
-    "VIS_PROCESS",
-];
+const NOT_YET: &[&str] = &["CAM_SETUP", "MODEL", "QUEUE_TYPE", "VIS_PROCESS"];
 
 const BASIC_TYPES: [&str; 8] = [
     "INTEGER",
@@ -35,16 +26,6 @@ const BASIC_TYPES: [&str; 8] = [
     "XYZWPREXT",
 ];
 
-/// `JOINTPOS`, `JOINTPOS6`.
-fn joint_kind(name: &str) -> Option<Type> {
-    let axes = name.strip_prefix("JOINTPOS")?;
-    Some(Type::Joints(match axes.as_bytes() {
-        [] => JointKind::OfGroup,
-        [digit @ b'1'..=b'9'] => JointKind::Axes(digit - b'0'),
-        _ => return None,
-    }))
-}
-
 impl Checker<'_> {
     pub(super) fn type_of(&mut self, written: &TypeExpr, declared_as: Option<&str>) -> Type {
         match &written.kind {
@@ -56,6 +37,9 @@ impl Checker<'_> {
             },
             TypeKind::Array { dims, element } => self.array_type(dims, element),
             TypeKind::Structure(fields) => self.structure_type(fields, declared_as, written),
+            TypeKind::Path { header, node } => {
+                self.path_type(header.as_deref(), node.as_deref(), written)
+            }
         }
     }
 
@@ -63,21 +47,10 @@ impl Checker<'_> {
         if let Some(Symbol::Type(ty)) = self.find_symbol(&name.text) {
             return ty.clone();
         }
-        if let Some(ty) = joint_kind(&name.text) {
+        if let Some(ty) = Type::named(&name.text) {
             return ty;
         }
         match name.text.as_str() {
-            "INTEGER" => Type::Integer,
-            "REAL" => Type::Real,
-            "BOOLEAN" => Type::Boolean,
-            "FILE" => Type::File,
-            "CONFIG" => Type::Config,
-            "SHORT" => Type::Small(Small::Short),
-            "BYTE" => Type::Small(Small::Byte),
-            "VECTOR" => Type::vector(),
-            "POSITION" => Type::Position(PositionKind::Position),
-            "XYZWPR" => Type::Position(PositionKind::Xyzwpr),
-            "XYZWPREXT" => Type::Position(PositionKind::XyzwprExt),
             text if NOT_YET.contains(&text) => {
                 self.reports
                     .error(name.span, format!("the type {text} is not supported yet"));
@@ -101,10 +74,12 @@ impl Checker<'_> {
 
     fn array_type(&mut self, dims: &[Dim], element: &TypeExpr) -> Type {
         let element_type = self.type_of(element, None);
+        self.refuse_path(&element_type, element);
         let open = dims.is_empty() || matches!(dims, [Dim::Open(_)]);
         if !(open && element_type == Type::TEXT) {
             self.refuse_open(&element_type, element);
         }
+        let all_open = dims.iter().all(|dim| matches!(dim, Dim::Open(_)));
         let mut lengths = Vec::new();
         for dim in dims {
             match dim {
@@ -113,8 +88,11 @@ impl Checker<'_> {
                     None => return Type::Error,
                 },
                 Dim::Open(_) if dims.len() == 1 => {}
+                Dim::Open(_) if all_open && dims.len() <= MAX_OPEN_DIMS => lengths.push(0),
                 Dim::Open(span) => {
-                    let message = "open arrays of several dimensions are not supported yet";
+                    let message = format!(
+                        "open dimensions stand alone, and there are at most {MAX_OPEN_DIMS}"
+                    );
                     self.reports.error(*span, message);
                     return Type::Error;
                 }
@@ -145,6 +123,7 @@ impl Checker<'_> {
         for group in written {
             let ty = self.type_of(&group.ty, None);
             self.refuse_open(&ty, &group.ty);
+            self.refuse_path(&ty, &group.ty);
             for field in &group.names {
                 if fields.iter().any(|known| known.name == field.text) {
                     self.reports
@@ -170,6 +149,58 @@ impl Checker<'_> {
             depth,
         };
         self.limited(Type::Structure(Arc::new(structure)), whole)
+    }
+
+    /// `PATH PATHHEADER = t, NODEDATA = t`.
+    ///
+    /// ASSUMPTION: a header is a structure; both parts hold neither FILEs nor other paths.
+    fn path_type(
+        &mut self,
+        header: Option<&TypeExpr>,
+        node: Option<&TypeExpr>,
+        whole: &TypeExpr,
+    ) -> Type {
+        let header = header.map(|written| {
+            let ty = self.path_part(written);
+            if !matches!(ty, Type::Structure(_) | Type::Error) {
+                let message = format!("a PATHHEADER must be a STRUCTURE, this is {ty}");
+                self.reports.error(written.span, message);
+            }
+            ty
+        });
+        let node = node.map_or_else(Type::standard_node, |written| self.path_part(written));
+        let depth = header.as_ref().map_or(0, Type::depth).max(node.depth());
+        let path = PathType {
+            header,
+            node,
+            depth: depth + 1,
+        };
+        self.limited(Type::Path(Arc::new(path)), whole)
+    }
+
+    fn path_part(&mut self, written: &TypeExpr) -> Type {
+        let ty = self.type_of(written, None);
+        self.refuse_open(&ty, written);
+        if ty.holds_file() {
+            let message = "a FILE or a PATH cannot be in a PATH";
+            self.reports.error(written.span, message);
+            return Type::Error;
+        }
+        if ty.size() > MAX_NODE {
+            let message = format!("a node has more than {MAX_NODE} cells of memory");
+            self.reports.error(written.span, message);
+        }
+        ty
+    }
+
+    /// A PATH is a variable of its own.
+    ///
+    /// ASSUMPTION: never an element or a field.
+    fn refuse_path(&mut self, ty: &Type, written: &TypeExpr) {
+        if matches!(ty, Type::Path(_)) {
+            let message = "a PATH cannot be an element of an array or a field";
+            self.reports.error(written.span, message);
+        }
     }
 
     fn limited(&mut self, ty: Type, written: &TypeExpr) -> Type {
@@ -204,7 +235,7 @@ impl Checker<'_> {
     pub(super) fn refuse_open(&mut self, ty: &Type, written: &TypeExpr) {
         let open = match ty {
             Type::Text(TextLength::Any) => true,
-            Type::Array(array) => array.dims.is_empty(),
+            Type::Array(array) => array.is_open(),
             Type::Integer
             | Type::Real
             | Type::Boolean
@@ -214,6 +245,7 @@ impl Checker<'_> {
             | Type::Position(_)
             | Type::Joints(_)
             | Type::Structure(_)
+            | Type::Path(_)
             | Type::Small(_)
             | Type::Error => false,
         };

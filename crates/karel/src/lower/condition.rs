@@ -170,6 +170,16 @@ impl<'a> Lowering<'a> {
                 return self.emit(Op::Outward(Outward::Edge { slot, edge: *edge }));
             }
             Condition::Task { verb, task: None } => SignalTest::Own(*verb),
+            Condition::AtNode(None) => SignalTest::AnyNode,
+            Condition::AtNode(Some(node)) => {
+                self.scalar(node);
+                SignalTest::Node
+            }
+            Condition::NodeTime { time, side, node } => {
+                self.scalar(time);
+                self.scalar(node);
+                SignalTest::Time(*side)
+            }
             Condition::Error(None) => SignalTest::AnyError,
             Condition::Task {
                 verb,

@@ -223,9 +223,19 @@ impl Lowering<'_> {
     fn argument(&mut self, arg: &Arg) {
         match arg {
             Arg::Reference(place) => self.reference(place),
-            Arg::TextArray { place, lengths } => {
+            Arg::OpenArray { place, lengths } => {
                 self.address(place);
                 self.emit(Op::Extra(*lengths));
+            }
+            Arg::ByName {
+                program,
+                variable,
+                formal,
+            } => {
+                self.scalar(program);
+                self.scalar(variable);
+                let row = add_row(&mut self.code.types, formal.clone());
+                self.emit(Op::Outward(Outward::ByName(row)));
             }
             Arg::Copy { value, formal } => self.copied_argument(value, formal),
             Arg::Value(value) => self.value(value),
@@ -288,6 +298,7 @@ fn comparison(relation: Relation, operands: &Type) -> Op {
         | Type::Joints(_)
         | Type::Array(_)
         | Type::Structure(_)
+        | Type::Path(_)
         | Type::Error => Op::CompareInteger(relation),
     }
 }

@@ -2,8 +2,10 @@
 
 mod condition;
 mod expr;
+mod motion;
 mod place;
 mod stmt;
+mod transfer;
 
 use std::collections::HashMap;
 

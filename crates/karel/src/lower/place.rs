@@ -92,6 +92,22 @@ impl Lowering<'_> {
                     };
                     self.emit(Op::Index(row));
                 }
+                Step::OpenGrid {
+                    subscripts,
+                    element_cells,
+                } => {
+                    for subscript in subscripts {
+                        self.scalar(subscript);
+                    }
+                    self.emit(Op::Rare(Rare::OpenGrid {
+                        dims: u8::try_from(subscripts.len()).unwrap_or(u8::MAX),
+                        element_cells: *element_cells,
+                    }));
+                }
+                Step::Node(subscript) => {
+                    self.scalar(subscript);
+                    self.emit(Op::Rare(Rare::Node));
+                }
                 Step::OpenIndex {
                     subscript,
                     element_cells,
@@ -193,7 +209,7 @@ fn fixed(place: &Place) -> Option<Fixed> {
             } => {
                 offset += constant_offset(subscripts, dims)? * element_cells;
             }
-            Step::OpenIndex { .. } => return None,
+            Step::OpenIndex { .. } | Step::OpenGrid { .. } | Step::Node(_) => return None,
         }
     }
     match place.root {

@@ -1,11 +1,10 @@
 //! Statements.
 
-use super::{Lowering, add_row, count};
+use super::Lowering;
 use crate::{
     ast::{Direction, Relation, TaskVerb},
-    ir::{Op, Outward, ReadPart, ReadShape, ScalarType, WritePart, WriteShape},
-    typed::{Case, Constant, Expr, ExprKind, Place, ReadItem, Stmt, StmtKind, Target, WriteItem},
-    types::{Small, Type},
+    ir::{Op, Outward},
+    typed::{Case, Constant, Expr, ExprKind, Place, Stmt, StmtKind, Target},
 };
 
 impl<'a> Lowering<'a> {
@@ -110,23 +109,16 @@ impl<'a> Lowering<'a> {
             }
             StmtKind::ConnectTimer(timer) => self.timer(timer, Outward::ConnectTimer),
             StmtKind::DisconnectTimer(timer) => self.timer(timer, Outward::DisconnectTimer),
-            StmtKind::MoveTo {
-                target,
+            StmtKind::Move {
+                form,
                 via,
                 waits,
                 whens,
                 until,
             } => {
-                if let Some(via) = via {
-                    self.value(via);
-                }
-                self.value(target);
+                let op = self.move_form(form, via.as_ref(), *waits);
                 self.local_handler(whens, until.as_ref());
-                self.emit(Op::Outward(if via.is_some() {
-                    Outward::MoveVia(*waits)
-                } else {
-                    Outward::Move(*waits)
-                }));
+                self.emit(Op::Outward(op));
             }
             StmtKind::Condition {
                 number,
@@ -302,91 +294,5 @@ impl<'a> Lowering<'a> {
             }
         }
         self.emit(Op::Return);
-    }
-
-    fn read(&mut self, file: &Place, items: &[ReadItem]) {
-        self.address(file);
-        let mut operands = 1;
-        let mut parts = Vec::new();
-        for item in items {
-            parts.push(match item {
-                ReadItem::LineEnd => ReadPart::LineEnd,
-                ReadItem::Value { place, formats } => {
-                    self.reference(place);
-                    for format in formats {
-                        self.scalar(format);
-                    }
-                    let formats = count(formats.len());
-                    operands += 1 + formats;
-                    ReadPart::Value {
-                        ty: scalar_type(&place.ty),
-                        formats,
-                    }
-                }
-            });
-        }
-        let row = add_row(
-            &mut self.code.reads,
-            ReadShape {
-                items: parts,
-                operands,
-            },
-        );
-        self.emit(Op::Outward(Outward::Read(row)));
-    }
-
-    fn write(&mut self, file: Option<&Place>, items: &[WriteItem]) {
-        let mut operands = 0;
-        if let Some(file) = file {
-            self.address(file);
-            operands += 1;
-        }
-        let mut parts = Vec::new();
-        for item in items {
-            parts.push(match item {
-                WriteItem::LineEnd => WritePart::LineEnd,
-                WriteItem::Value { value, formats } => {
-                    self.scalar(value);
-                    for format in formats {
-                        self.scalar(format);
-                    }
-                    let formats = count(formats.len());
-                    operands += 1 + formats;
-                    WritePart::Value {
-                        ty: if let ExprKind::Place(place) = &value.kind {
-                            scalar_type(&place.ty)
-                        } else {
-                            scalar_type(&value.ty)
-                        },
-                        formats,
-                    }
-                }
-            });
-        }
-        let shape = WriteShape {
-            to_file: file.is_some(),
-            items: parts,
-            operands,
-        };
-        let row = add_row(&mut self.code.writes, shape);
-        self.emit(Op::Outward(Outward::Write(row)));
-    }
-}
-
-fn scalar_type(ty: &Type) -> ScalarType {
-    match ty {
-        Type::Real => ScalarType::Real,
-        Type::Boolean => ScalarType::Boolean,
-        Type::Text(_) => ScalarType::Text,
-        Type::Small(Small::Short) => ScalarType::Short,
-        Type::Small(Small::Byte) => ScalarType::Byte,
-        Type::Integer
-        | Type::File
-        | Type::Config
-        | Type::Position(_)
-        | Type::Joints(_)
-        | Type::Array(_)
-        | Type::Structure(_)
-        | Type::Error => ScalarType::Integer,
     }
 }

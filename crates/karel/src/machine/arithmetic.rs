@@ -49,6 +49,16 @@ pub(crate) fn finite(value: f32) -> Result<f32, Fault> {
     }
 }
 
+/// Rounds to a REAL.
+pub(crate) fn real(value: f64) -> Result<f32, Fault> {
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "rounding to REAL is meant; range is checked"
+    )]
+    let rounded = value as f32;
+    finite(rounded)
+}
+
 /// Order of two REALs, which are always finite; the two zeros are equal.
 pub(super) fn order(a: f32, b: f32) -> Ordering {
     a.partial_cmp(&b).unwrap_or(Ordering::Equal)

@@ -20,6 +20,8 @@ pub(crate) enum Cell {
     Text(Text),
     Config(Config),
     File(FileCell),
+    /// The number of a PATH.
+    Path(u32),
     /// A reference, in parameter cells and on the operand stack.
     Address(Address),
 }
@@ -47,6 +49,13 @@ impl Cell {
             unreachable!("STRING expected, found {self:?}")
         };
         value.clone()
+    }
+
+    pub(crate) fn expect_path(&self) -> u32 {
+        let Cell::Path(value) = self else {
+            unreachable!("PATH expected, found {self:?}")
+        };
+        *value
     }
 
     #[inline]
@@ -355,7 +364,7 @@ impl Memory<'_> {
             Cell::Boolean(value) => Some(Value::Boolean(*value)),
             Cell::Text(value) => Some(Value::String(value.clone())),
             Cell::Config(value) => Some(Value::Config(*value)),
-            Cell::Uninit | Cell::File(_) | Cell::Address(_) => None,
+            Cell::Uninit | Cell::File(_) | Cell::Path(_) | Cell::Address(_) => None,
         }
     }
 
@@ -424,6 +433,7 @@ impl Memory<'_> {
             | Type::Text(_)
             | Type::File
             | Type::Config
+            | Type::Path(_)
             | Type::Joints(JointKind::OfGroup)
             | Type::Small(_)
             | Type::Error => *self.get(at) == Cell::Uninit,

@@ -6,22 +6,25 @@
 use super::{
     Loaded, Tasks, arithmetic,
     cell::{Address, Cell, Memory},
+    created::Created,
+    dictionaries::Dictionaries,
     fault::Fault,
+    paths::Paths,
     pulse::Pulses,
     semaphore::Semaphores,
     task::Task,
+    teaching::Teaching,
     timer::Timers,
 };
 use crate::{
     error::RuntimeError,
     host::{Host, TaskId, Wait},
-    ir::{Op, Rare},
-    port::Comments,
+    ir::Op,
+    port::{Comments, PortSetup},
     program::Program,
     registers::Registers,
     run::{ByteOrder, Limits},
     status::Status,
-    types::{MAX_STRING, Type, split_text_array},
     value::real_of,
 };
 
@@ -39,6 +42,11 @@ pub(super) struct Exec<'a> {
     pub(super) pulses: &'a mut Pulses,
     pub(super) byte_order: ByteOrder,
     pub(super) comments: &'a mut Comments,
+    pub(super) paths: &'a mut Paths,
+    pub(super) created: &'a mut Created,
+    pub(super) dictionaries: &'a mut Dictionaries,
+    pub(super) port_setup: &'a mut PortSetup,
+    pub(super) teaching: &'a mut Teaching,
     pub(super) task: &'a mut Task,
     pub(super) host: &'a mut dyn Host,
     pub(super) limits: &'a Limits,
@@ -189,98 +197,6 @@ impl Exec<'_> {
         Ok(Flow::Next)
     }
 
-    /// Instructions that are too seldom to make the hot loop larger.
-    #[inline(never)]
-    fn rare(&mut self, op: Rare) -> Result<(), Fault> {
-        match op {
-            Rare::AddressShared(cell) => {
-                let at = self.global(cell);
-                let Cell::Address(address) = *self.memory().get(at) else {
-                    return Err(self.unresolved_variable(cell));
-                };
-                self.push(Cell::Address(address));
-            }
-            Rare::NegateInteger => {
-                let value = self.pop_integer();
-                self.push(Cell::Integer(
-                    value.checked_neg().ok_or_else(Fault::overflow)?,
-                ));
-            }
-            Rare::NegateReal => {
-                let value = self.pop_real();
-                self.push(Cell::Real(-value));
-            }
-            Rare::NotBoolean => {
-                let value = self.pop_boolean();
-                self.push(Cell::Boolean(!value));
-            }
-            Rare::NotInteger => {
-                let value = self.pop_integer();
-                self.push(Cell::Integer(!value));
-            }
-            Rare::Concatenate => {
-                let (b, mut a) = (self.pop_text(), self.pop_text());
-                a.append(b.as_bytes(), MAX_STRING);
-                self.push(Cell::Text(a));
-            }
-            Rare::CompareText(relation) => {
-                let (b, a) = (self.pop_text(), self.pop_text());
-                let order = a.as_bytes().cmp(b.as_bytes());
-                self.push(Cell::Boolean(arithmetic::holds(relation, order)));
-            }
-            Rare::CompareBoolean(relation) => {
-                let (b, a) = (self.pop_boolean(), self.pop_boolean());
-                self.push(Cell::Boolean(arithmetic::holds(relation, a.cmp(&b))));
-            }
-            Rare::CopyCells(cells) => {
-                let (from, to) = (self.pop_address(), self.pop_address());
-                self.memory().copy_cells(from, to, cells);
-            }
-            Rare::CopyPosition {
-                from: from_kind,
-                to: to_kind,
-                may_lack,
-            } => {
-                let (from, to) = (self.pop_address(), self.pop_address());
-                let ty = Type::Position(from_kind);
-                if may_lack && self.memory().is_uninit(from, &ty) {
-                    self.memory().clear(to, &Type::Position(to_kind));
-                    return Ok(());
-                }
-                let position = self.memory().position(from, from_kind)?;
-                self.memory().set_position(to, to_kind, &position);
-            }
-            Rare::OpenTextIndex => {
-                let subscript = self.pop_integer();
-                let address = self.pop_address();
-                let (length, text) = split_text_array(address.extra);
-                let offset = subscript_offset(subscript, length)?;
-                self.push(Cell::Address(address.plus(offset).with_extra(text)));
-            }
-            Rare::StoreTextIndirect => {
-                let mut text = self.pop_text();
-                let address = self.pop_address();
-                text.truncate(address.extra as usize);
-                self.memory().set(address, Cell::Text(text));
-            }
-            Rare::CheckRange { least, most } => {
-                let value = self.operand(0).expect_integer();
-                if !(least..=most).contains(&value) {
-                    let message = format!("{value} is not in {least} to {most}");
-                    return Err(Fault::new(Status::INTP_OVERFLOW, message));
-                }
-            }
-            Rare::CopyJoints {
-                from: from_cells,
-                to: to_cells,
-            } => {
-                let (from, to) = (self.pop_address(), self.pop_address());
-                self.memory().copy_joints(from, from_cells, to, to_cells)?;
-            }
-        }
-        Ok(())
-    }
-
     #[inline]
     pub(super) fn memory(&mut self) -> Memory<'_> {
         Memory {
@@ -290,7 +206,7 @@ impl Exec<'_> {
     }
 
     #[inline]
-    fn global(&self, cell: u32) -> Address {
+    pub(super) fn global(&self, cell: u32) -> Address {
         Address::global(self.global_base + cell)
     }
 
@@ -321,7 +237,7 @@ impl Exec<'_> {
         self.memory().set(address, value);
     }
 
-    fn unresolved_variable(&self, cell: u32) -> Fault {
+    pub(super) fn unresolved_variable(&self, cell: u32) -> Fault {
         let mut shared = self.program.shared.iter();
         let name = shared.find(|shared| shared.cell == cell).map_or_else(
             || "variable".to_owned(),
@@ -364,7 +280,7 @@ impl Exec<'_> {
     }
 }
 
-fn subscript_offset(subscript: i32, length: u32) -> Result<u32, Fault> {
+pub(super) fn subscript_offset(subscript: i32, length: u32) -> Result<u32, Fault> {
     match u32::try_from(subscript) {
         Ok(index) if (1..=length).contains(&index) => Ok(index - 1),
         Ok(_) | Err(_) => Err(Fault::new(

@@ -9,15 +9,13 @@ use super::{
     cell::Cell,
     exec::{Exec, Flow, Stop, row_of},
     fault::Fault,
-    pulse::Pulses,
     runtime_error,
     task::{Caller, Ending, Handler, HandlerKind, Pending, Signal, WhenState},
 };
 use crate::{
-    ast::{Action, ConditionVerb, Edge, HandVerb, MotionVerb, Signaled, TaskVerb, Waits},
-    host::{HandAction, MotionId, Progress, TaskId, Wait},
+    ast::{ConditionVerb, Edge, TaskVerb},
+    host::{MotionId, Progress, Wait},
     ir::{Op, Outward, SignalTest, WhenShape},
-    port::{Port, PortValue},
     status::Status,
 };
 
@@ -144,10 +142,16 @@ impl Exec<'_> {
     /// Local conditions end with their motion; a MOVE that waits for it ends them itself.
     fn drop_local_ones(&mut self) {
         let host = &mut *self.host;
-        let awaited = if let Pending::Motion(motion) = self.task.pending {
-            Some(motion)
-        } else {
-            None
+        let awaited = match self.task.pending {
+            Pending::Motion(motion) => Some(motion),
+            Pending::Along => self.task.along.last().and_then(|along| along.motion),
+            Pending::None
+            | Pending::Until(_)
+            | Pending::Read { .. }
+            | Pending::Skipped(_)
+            | Pending::Deadline(_)
+            | Pending::Paused
+            | Pending::GivesUp => None,
         };
         self.task.handlers.retain(|handler| match handler.kind {
             HandlerKind::Local(Some(motion)) if Some(motion) != awaited => {
@@ -358,6 +362,14 @@ impl Exec<'_> {
         is_there
     }
 
+    /// The conditions of a MOVE ALONG stay until the motion to its last node ends.
+    pub(super) fn local_goes_on(&mut self, from: MotionId, to: MotionId) {
+        let handlers = self.task.handlers.iter_mut();
+        for handler in handlers.filter(|handler| handler.kind == HandlerKind::Local(Some(from))) {
+            handler.kind = HandlerKind::Local(Some(to));
+        }
+    }
+
     pub(super) fn local_ends(&mut self, motion: MotionId) {
         let kind = HandlerKind::Local(Some(motion));
         self.task.handlers.retain(|handler| handler.kind != kind);
@@ -425,12 +437,18 @@ impl Exec<'_> {
 
     pub(super) fn signaled(&mut self, test: SignalTest) -> Flow {
         let number = match test {
-            SignalTest::AnyError | SignalTest::Own(_) => 0,
-            SignalTest::Event | SignalTest::Semaphore | SignalTest::Error | SignalTest::Of(_) => {
-                self.pop_integer()
-            }
+            SignalTest::AnyError | SignalTest::AnyNode | SignalTest::Own(_) => 0,
+            SignalTest::Event
+            | SignalTest::Semaphore
+            | SignalTest::Error
+            | SignalTest::Node
+            | SignalTest::Time(_)
+            | SignalTest::Of(_) => self.pop_integer(),
         };
-        let holds = if test == SignalTest::Semaphore {
+        let holds = if let SignalTest::Time(side) = test {
+            let milliseconds = self.pop_integer();
+            self.node_time(side, milliseconds, number)
+        } else if test == SignalTest::Semaphore {
             // ASSUMPTION: it holds while the count is above 0, and takes nothing from it.
             self.semaphores
                 .count(number)
@@ -441,7 +459,9 @@ impl Exec<'_> {
             signals.any(|signal| match (signal, test) {
                 (Signal::Event(event), SignalTest::Event) => event == number,
                 (Signal::Error(code), SignalTest::Error) => code == number,
-                (Signal::Error(_), SignalTest::AnyError) => true,
+                (Signal::Error(_), SignalTest::AnyError)
+                | (Signal::Node(_), SignalTest::AnyNode) => true,
+                (Signal::Node(node), SignalTest::Node) => node == number,
                 (Signal::Task(verb, task), SignalTest::Own(wanted)) => {
                     verb == wanted && task == own
                 }
@@ -466,160 +486,6 @@ impl Exec<'_> {
         let wanted = edge == Edge::Rising;
         self.push(Cell::Boolean(now == wanted && before == Some(!wanted)));
         Flow::Next
-    }
-
-    pub(super) fn action(&mut self, action: Action) -> Flow {
-        match action {
-            Action::NoAbort => {
-                if matches!(self.task.ending, Ending::Requested) {
-                    self.task.ending = Ending::No;
-                    self.give_up_waiting();
-                }
-            }
-            Action::NoPause => self.task.paused = false,
-            Action::Unpause => self.task.unpaused = true,
-            // ASSUMPTION: messages and what was stopped are the operator's; both change nothing.
-            Action::NoMessage | Action::Restore => {}
-        }
-        Flow::Next
-    }
-
-    /// The task goes on, and must not wait for ever for a client that may never come.
-    fn give_up_waiting(&mut self) {
-        let mut callers = self.task.callers.iter_mut().rev();
-        if let Some(pending) = callers.find_map(|caller| caller.interrupted.as_deref_mut())
-            && matches!(pending, Pending::None)
-        {
-            *pending = Pending::GivesUp;
-        }
-    }
-
-    pub(super) fn action_gate(&mut self) -> Flow {
-        if self.task.paused && !self.task.unpaused {
-            return Flow::Blocked(Wait::Continue);
-        }
-        Flow::Next
-    }
-
-    pub(super) fn signal(&mut self, what: Signaled) -> Result<Flow, Fault> {
-        let number = self.pop_integer();
-        match what {
-            Signaled::Event => {
-                let signal = Signal::Event(number);
-                self.others.broadcast(signal);
-                self.task.signal(signal);
-                self.task.scan_now = !self.task.handlers.is_empty();
-            }
-            Signaled::Semaphore => {
-                let Some(count) = self.semaphores.count(number) else {
-                    return Err(Fault::argument(format!("There is no semaphore {number}")));
-                };
-                *count = count.saturating_add(1);
-            }
-        }
-        self.task.pc += 1;
-        Ok(Flow::Yield)
-    }
-
-    /// A task's number, or 0 for the own one. A task that is not there is left alone.
-    pub(super) fn task_verb(&mut self, verb: TaskVerb) -> Flow {
-        let number = self.operand(0).expect_integer();
-        let other = TaskId(u32::try_from(number).unwrap_or(u32::MAX));
-        if number != 0 && other != self.id {
-            self.drop_operands(1);
-            match verb {
-                TaskVerb::Abort => {
-                    let _was_alive = self.others.request_end(other, self.host);
-                }
-                TaskVerb::Pause => {
-                    let _changed = self.others.pause(other);
-                }
-                TaskVerb::Continue => {
-                    if self.others.resume(other) {
-                        self.host.continue_motions(other);
-                    }
-                }
-            }
-            self.hear_own_deeds();
-            return Flow::Next;
-        }
-        match verb {
-            TaskVerb::Abort => self.end_task(),
-            TaskVerb::Continue => {
-                self.drop_operands(1);
-                self.task.paused = false;
-                Flow::Next
-            }
-            TaskVerb::Pause if matches!(self.task.pending, Pending::Paused) => {
-                self.task.pending = Pending::None;
-                self.drop_operands(1);
-                Flow::Next
-            }
-            // ASSUMPTION: what moves goes on.
-            TaskVerb::Pause => {
-                self.task.pending = Pending::Paused;
-                self.task.paused = true;
-                let signal = Signal::Task(TaskVerb::Pause, self.id);
-                self.others.broadcast(signal);
-                self.task.signal(signal);
-                self.task.scan_now = !self.task.handlers.is_empty();
-                Flow::Yield
-            }
-        }
-    }
-
-    /// ASSUMPTION: STOP and HOLD both hold what moves, RESUME and UNHOLD let it go on; there is one
-    /// group and nobody else wants it, so ATTACH and RELEASE change nothing.
-    pub(super) fn motion_verb(&mut self, verb: MotionVerb) -> Flow {
-        match verb {
-            MotionVerb::Cancel => self.host.cancel_arm(self.id),
-            MotionVerb::Stop | MotionVerb::Hold => self.host.hold_arm(self.id),
-            MotionVerb::Resume | MotionVerb::Unhold => self.host.resume_arm(self.id),
-            MotionVerb::Attach | MotionVerb::Release => {}
-        }
-        Flow::Next
-    }
-
-    pub(super) fn hand(&mut self, verb: HandVerb) -> Result<Flow, Fault> {
-        let number = self.pop_integer();
-        let action = match verb {
-            HandVerb::Open => HandAction::Open,
-            HandVerb::Close => HandAction::Close,
-            HandVerb::Relax => HandAction::Relax,
-        };
-        let done = self.host.hand(self.id, action, number);
-        done.map_err(|status| Fault::new(status, format!("{} HAND {number} failed", verb.text())))?;
-        Ok(Flow::Next)
-    }
-
-    /// ASSUMPTION: the port is inverted for that time, so a port that is on gives a pulse of OFF.
-    pub(super) fn pulse(&mut self, port: Port, waits: Waits) -> Result<Flow, Fault> {
-        if let Some(flow) = self.pause_is_over() {
-            return Ok(flow);
-        }
-        let (milliseconds, number) = (self.pop_integer(), self.pop_integer());
-        let Ok(milliseconds) = u64::try_from(milliseconds) else {
-            let message = format!("PULSE of {milliseconds} ms, less than 0");
-            return Err(Fault::argument(message));
-        };
-        let illegal = |status| super::ports::illegal(status, port, number);
-        let before = self.host.port(port, number).map_err(illegal)?;
-        let on = matches!(before, PortValue::Switch(true));
-        let turned = PortValue::Switch(!on);
-        self.host
-            .set_port(self.id, port, number, turned)
-            .map_err(illegal)?;
-        let now = self.host.now();
-        let until = now.saturating_add(Duration::from_millis(milliseconds));
-        if !self.pulses.add(self.id, (port, number), before, until) {
-            let message = format!("More than {} pulses at a time", Pulses::MOST);
-            return Err(Fault::new(Status::INTP_LIMIT, message));
-        }
-        if waits == Waits::No {
-            return Ok(Flow::Next);
-        }
-        self.task.pending = Pending::Until(until);
-        Ok(Flow::Blocked(Wait::Until(until)))
     }
 }
 

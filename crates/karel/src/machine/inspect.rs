@@ -1,8 +1,8 @@
 //! What an operator's data screen shows, and ending a task with an error from outside.
 
 use super::{
-    Machine,
-    cell::{Address, Memory},
+    Loaded, Machine, Names,
+    cell::{Address, Cell, Memory},
     fault::Fault,
     is_alive, runtime_error,
 };
@@ -40,16 +40,7 @@ impl Machine {
     ) -> Result<(Vec<VariableView>, bool), Status> {
         let index = self.find_program(program).ok_or(Status::MEMO_NO_PROGRAM)?;
         let loaded = self.programs.get(index).ok_or(Status::MEMO_NO_PROGRAM)?;
-        let taken = |name: &str| loaded.program.shared.iter().any(|own| own.name == name);
-        let mut names: Vec<(&String, &(u32, Type))> = loaded.program.globals.iter().collect();
-        names.retain(|(name, _)| !taken(name));
-        names.sort_unstable_by_key(|(name, _)| *name);
-        let mut parts = Vec::new();
-        for (name, (cell, ty)) in names {
-            if !split(name.clone(), loaded.base + cell, ty, limit, &mut parts) {
-                break;
-            }
-        }
+        let mut parts = parts_of(self.names(), loaded, limit);
         let more = parts.len() > limit;
         parts.truncate(limit);
         let mut no_frames = Vec::new();
@@ -86,7 +77,30 @@ impl Machine {
     }
 }
 
-fn address(cell: u32, ty: &Type) -> Address {
+/// Path, cell and type of everything of a program that has a value of its own, up to one more than
+/// `limit`. What it takes from other programs is not among it.
+pub(crate) fn parts_of(
+    names: Names<'_>,
+    loaded: &Loaded,
+    limit: usize,
+) -> Vec<(String, u32, Type)> {
+    let taken = |name: &str| loaded.program.shared.iter().any(|own| own.name == name);
+    let declared = loaded.program.globals.iter();
+    let declared = declared.map(|(name, (cell, ty))| (name.as_str(), loaded.base + cell, ty));
+    let mut variables: Vec<(&str, u32, &Type)> = declared.collect();
+    variables.extend(names.created.of(loaded.name()));
+    variables.retain(|(name, ..)| !taken(name));
+    variables.sort_unstable_by_key(|(name, ..)| *name);
+    let mut parts = Vec::new();
+    for (name, cell, ty) in variables {
+        if !split(names, name.to_owned(), (cell, ty), limit, &mut parts) {
+            break;
+        }
+    }
+    parts
+}
+
+pub(crate) fn address(cell: u32, ty: &Type) -> Address {
     let at = Address::global(cell);
     if let Type::Text(TextLength::AtMost(length)) = ty {
         at.with_extra(*length)
@@ -97,23 +111,43 @@ fn address(cell: u32, ty: &Type) -> Address {
 
 /// The parts of a variable that have values of their own. `false` once there are more than `limit`.
 fn split(
+    names: Names<'_>,
     path: String,
-    cell: u32,
-    ty: &Type,
+    (cell, ty): (u32, &Type),
     limit: usize,
     parts: &mut Vec<(String, u32, Type)>,
 ) -> bool {
     match ty {
         Type::Structure(structure) => structure.fields.iter().all(|field| {
             let path = format!("{path}.{}", field.name);
-            split(path, cell + field.offset, &field.ty, limit, parts)
+            split(names, path, (cell + field.offset, &field.ty), limit, parts)
         }),
         Type::Array(array) => {
             let count: u32 = array.dims.iter().product();
             (0..count).all(|index| {
                 let path = format!("{path}[{}]", subscripts(index, &array.dims));
                 let at = cell + index * array.element.size();
-                split(path, at, &array.element, limit, parts)
+                split(names, path, (at, &array.element), limit, parts)
+            })
+        }
+        Type::Path(nodes) => {
+            let Some(Cell::Path(id)) = names.globals.get(cell as usize) else {
+                return true;
+            };
+            let header = nodes.header.as_ref();
+            if !header
+                .is_none_or(|header| split(names, path.clone(), (cell + 1, header), limit, parts))
+            {
+                return false;
+            }
+            let numbers = 1..=i32::try_from(names.paths.len(*id)).unwrap_or(i32::MAX);
+            numbers.into_iter().all(|number| {
+                let Some(at) = names.paths.node(*id, number) else {
+                    return true;
+                };
+                let cell = u32::try_from(at.global_index()).unwrap_or(u32::MAX);
+                let path = format!("{path}[{number}]");
+                split(names, path, (cell, &nodes.node), limit, parts)
             })
         }
         Type::Integer

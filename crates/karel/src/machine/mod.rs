@@ -3,25 +3,35 @@
 mod arithmetic;
 mod calls;
 pub(crate) mod cell;
+pub(crate) mod created;
+pub(crate) mod dictionaries;
+mod errors;
 mod exec;
 pub(crate) mod fault;
 mod handlers;
-mod inspect;
+pub(crate) mod inspect;
 mod link;
+mod loaded;
+mod moving;
 mod operands;
 mod outward;
+pub(crate) mod paths;
 mod ports;
 mod power;
 mod pulse;
+mod rare;
 pub(crate) mod semaphore;
 mod system;
 pub(crate) mod task;
 mod tasks;
+pub(crate) mod teaching;
 mod timer;
 mod tp;
 pub(crate) mod tp_value;
 mod transfer;
 mod variables;
+mod verbs;
+mod writing;
 
 use std::time::Duration;
 
@@ -30,25 +40,31 @@ use crate::{
     error::{CallSite, RuntimeError},
     host::{Host, TaskId},
     ir::Op,
-    port::Comments,
+    port::{Comments, PortSetup},
     program::Program,
     registers::Registers,
     run::{ByteOrder, Limits, Run, Slice, TaskState, TaskView},
+    tp::Instruction,
 };
 use cell::Cell;
+use created::Created;
+use dictionaries::Dictionaries;
 use exec::{Exec, Stop};
-use link::Link;
+pub(crate) use loaded::Loaded;
+use paths::Paths;
 use pulse::Pulses;
 use semaphore::Semaphores;
 use timer::Timers;
 
-pub(crate) use arithmetic::finite;
+pub(crate) use arithmetic::{finite, real};
+pub use errors::{LoadError, StartError};
 use fault::Fault;
 pub use inspect::VariableView;
 pub(crate) use system::{component_of, set_component};
 use task::{Signal, Task};
 pub(crate) use tasks::Tasks;
-pub(crate) use variables::find as find_variable;
+use teaching::Teaching;
+pub(crate) use variables::{Names, find as find_variable, locate as locate_variable};
 
 /// Programs and tasks of one controller.
 ///
@@ -67,91 +83,11 @@ pub struct Machine {
     byte_order: ByteOrder,
     /// Comments of ports.
     comments: Comments,
-}
-
-#[derive(Debug)]
-pub(crate) struct Loaded {
-    program: Program,
-    /// Where its variables start in `globals`.
-    base: u32,
-    /// Where its external routines are; `None` while their program is not loaded.
-    links: Vec<Option<Link>>,
-}
-
-impl Loaded {
-    pub(crate) fn name(&self) -> &str {
-        self.program.name()
-    }
-
-    pub(crate) fn is_pausable_by_error(&self) -> bool {
-        self.program
-            .is_pausable(crate::program::Interruption::Error)
-    }
-
-    pub(crate) fn is_abortable_by_error(&self) -> bool {
-        self.program.is_abortable_by_error()
-    }
-
-    /// Name and source line of an instruction.
-    pub(crate) fn place(&self, pc: usize) -> (String, u32) {
-        let line = self.program.code.lines.get(pc).copied().unwrap_or(0);
-        (self.name().to_owned(), line)
-    }
-}
-
-/// Why a program cannot be loaded.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum LoadError {
-    /// A program of this name is loaded.
-    #[error("program {0} is loaded already")]
-    Duplicate(String),
-    /// The machine's limit.
-    #[error("{0} programs are loaded, which is the limit")]
-    TooMany(usize),
-    /// Two programs disagree about a routine that one calls and the other has.
-    #[error(
-        "{caller} declares the routine {routine} FROM {program} with other parameters or another result"
-    )]
-    Signature {
-        /// The program that declares it with FROM.
-        caller: String,
-        /// The routine.
-        routine: String,
-        /// The program that has its body.
-        program: String,
-    },
-    /// Two programs disagree about a variable that they share.
-    #[error("{user} declares the variable {variable} FROM {program} with another type")]
-    Variable {
-        /// The program that declares it with FROM.
-        user: String,
-        /// The variable.
-        variable: String,
-        /// The program that has it.
-        program: String,
-    },
-}
-
-/// Why a program cannot be started.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum StartError {
-    /// No program of this name is loaded.
-    #[error("program {0} is not loaded")]
-    NotLoaded(String),
-    /// A task of this program runs already.
-    #[error("program {0} is running already")]
-    Running(String),
-    /// The machine's limit.
-    #[error("{0} tasks exist, which is the limit")]
-    TooMany(usize),
-    /// The main body needs more memory than a task may have.
-    #[error("the main body needs {cells} cells of memory, a task may have {limit}")]
-    TooLarge {
-        /// What it needs.
-        cells: usize,
-        /// [`Limits::stack_cells`].
-        limit: usize,
-    },
+    paths: Paths,
+    created: Created,
+    dictionaries: Dictionaries,
+    port_setup: PortSetup,
+    teaching: Teaching,
 }
 
 impl Machine {
@@ -170,6 +106,11 @@ impl Machine {
             pulses: Pulses::default(),
             byte_order: ByteOrder::default(),
             comments: Comments::default(),
+            paths: Paths::default(),
+            created: Created::default(),
+            dictionaries: Dictionaries::default(),
+            port_setup: PortSetup::default(),
+            teaching: Teaching::default(),
         }
     }
 
@@ -197,6 +138,11 @@ impl Machine {
         for file in &program.global_files {
             if let Some(cell) = self.globals.get_mut(base + *file as usize) {
                 *cell = Cell::File(program.closed_file(*file));
+            }
+        }
+        for (path, size) in &program.global_paths {
+            if let Some(cell) = self.globals.get_mut(base + *path as usize) {
+                *cell = self.paths.add(*size);
             }
         }
         let base = u32::try_from(base).unwrap_or(u32::MAX);
@@ -231,7 +177,28 @@ impl Machine {
         };
         let slice = self.run_task(id, &mut task, fuel, host);
         self.tasks.put_back(id, task);
+        self.take_taught();
         slice
+    }
+
+    /// What a slice has done to TP programs.
+    fn take_taught(&mut self) {
+        if self.teaching.made.is_empty() && self.teaching.blanked.is_empty() {
+            return;
+        }
+        for program in std::mem::take(&mut self.teaching.made) {
+            // The built-in has looked whether there is room and no such program.
+            let _loaded = self.load(program);
+        }
+        for (name, line) in std::mem::take(&mut self.teaching.blanked) {
+            let index = self.find_program(&name);
+            let loaded = index.and_then(|index| self.programs.get_mut(index));
+            let row = usize::try_from(line).unwrap_or(0).wrapping_sub(1);
+            let slot = loaded.and_then(|loaded| loaded.program.code.tp.get_mut(row));
+            if let Some(instruction) = slot {
+                *instruction = Instruction::Nothing;
+            }
+        }
     }
 
     fn run_task(&mut self, id: TaskId, task: &mut Task, fuel: u32, host: &mut dyn Host) -> Slice {
@@ -267,6 +234,11 @@ impl Machine {
             pulses: &mut self.pulses,
             byte_order: self.byte_order,
             comments: &mut self.comments,
+            paths: &mut self.paths,
+            created: &mut self.created,
+            dictionaries: &mut self.dictionaries,
+            port_setup: &mut self.port_setup,
+            teaching: &mut self.teaching,
             task,
             host,
             limits: &self.limits,
@@ -439,6 +411,7 @@ fn open_file(cell: &Cell) -> Option<crate::host::FileId> {
         | Cell::Boolean(_)
         | Cell::Text(_)
         | Cell::Config(_)
+        | Cell::Path(_)
         | Cell::Address(_) => None,
     }
 }

@@ -1,18 +1,20 @@
 //! Instructions that end something, wait, or ask the host.
 
 use super::{
-    cell::Memory,
+    Names,
+    cell::{Cell, Memory},
     exec::{Exec, Flow, row_of},
     fault::Fault,
+    locate_variable,
     task::Pending,
 };
 use crate::{
-    ast::Waits,
     builtins::{Context, Outcome, Running},
-    host::{MotionId, MotionRequest, MoveEnd, Progress, Wait},
+    host::Wait,
     ir::Outward,
     status::Status,
-    types::PositionKind,
+    syspath::SysPath,
+    types::{TextLength, Type, grid_lengths, text_array_lengths},
 };
 
 impl Exec<'_> {
@@ -33,6 +35,7 @@ impl Exec<'_> {
             Outward::StoreSystem(row) => self.store_system(row),
             Outward::FetchSystem(row) => self.fetch_system(row),
             Outward::ReturnSystem(row) => self.return_system(row),
+            Outward::ByName(row) => self.by_name(row),
             Outward::LoadPort(port) => self.load_port(port),
             Outward::StorePort(port) => self.store_port(port),
             Outward::Scan => Ok(self.scan()),
@@ -66,8 +69,8 @@ impl Exec<'_> {
                 self.timers.disconnect(at);
                 Ok(Flow::Next)
             }
-            Outward::Move(waits) => self.move_to(waits, false),
-            Outward::MoveVia(waits) => self.move_to(waits, true),
+            Outward::Move(kind, waits) => self.move_arm(kind, waits),
+            Outward::MoveAlong(row, waits) => self.move_along(row, waits),
             Outward::Tp(row) => self.tp(row),
         }
     }
@@ -90,6 +93,11 @@ impl Exec<'_> {
             pending: &mut self.task.pending,
             arguments: &self.task.tp.arguments,
             comments: self.comments,
+            paths: self.paths,
+            created: self.created,
+            dictionaries: self.dictionaries,
+            port_setup: self.port_setup,
+            teaching: self.teaching,
             running: Running {
                 name: &self.task.name,
                 line: program.code.lines.get(self.task.pc).copied().unwrap_or(0),
@@ -140,6 +148,36 @@ impl Exec<'_> {
         }
     }
 
+    /// The variable whose names are on the stack.
+    fn by_name(&mut self, row: u32) -> Result<Flow, Fault> {
+        let (variable, home) = (self.pop_text(), self.pop_text());
+        let (variable, home) = (variable.to_string_lossless(), home.to_string_lossless());
+        let program = self.program;
+        let formal = row_of(&program.code.types, row);
+        let home = match home.trim() {
+            "" => program.name(),
+            name => name,
+        };
+        let names = Names {
+            programs: self.programs,
+            paths: self.paths,
+            created: self.created,
+            globals: self.globals,
+        };
+        let path = SysPath::parse(&variable).map_err(|_| Status::VARS_UNKNOWN);
+        let found = path.and_then(|path| locate_variable(names, home, &path));
+        let found = found.map_err(|status| {
+            let message = format!("BYNAME finds no variable {variable} of {home}");
+            Fault::new(status, message)
+        })?;
+        let Some(extra) = reference_extra(&found.ty, formal) else {
+            let message = format!("[{home}]{variable} is {}, not {formal}", found.ty);
+            return Err(Fault::new(Status::INTP_TYPE, message));
+        };
+        self.push(Cell::Address(found.at.with_extra(extra)));
+        Ok(Flow::Next)
+    }
+
     /// If the instruction is a pause that was begun: whether it goes on waiting.
     pub(super) fn pause_is_over(&mut self) -> Option<Flow> {
         let Pending::Until(until) = self.task.pending else {
@@ -167,73 +205,25 @@ impl Exec<'_> {
         self.task.pending = Pending::Until(until);
         Ok(Flow::Blocked(Wait::Until(until)))
     }
+}
 
-    /// Conditions are looked at before the statement goes on.
-    fn moves_with_conditions(&mut self, motion: MotionId, waits: Waits, operands: usize) -> Flow {
-        if waits == Waits::Yes {
-            self.task.pending = Pending::Motion(motion);
-        } else {
-            self.drop_operands(operands);
-            self.task.pc += 1;
+/// What a reference to a variable carries beside its address; `None` if the types do not fit.
+fn reference_extra(actual: &Type, formal: &Type) -> Option<u32> {
+    match (actual, formal) {
+        (Type::Text(_), Type::Text(TextLength::Any)) => actual.length(),
+        (Type::Array(from), Type::Array(to)) if to.is_open_grid() => {
+            let fits = from.element == to.element && from.dims.len() == to.dims.len();
+            grid_lengths(&from.dims).filter(|_| fits)
         }
-        Flow::Yield
-    }
-
-    fn move_to(&mut self, waits: Waits, has_via: bool) -> Result<Flow, Fault> {
-        let operands = 1 + usize::from(has_via);
-        let motion = if let Pending::Motion(motion) = self.task.pending {
-            motion
-        } else {
-            let at = self.operand_address(0);
-            let target = self.memory().position(at, PositionKind::XyzwprExt)?;
-            let via = if has_via {
-                let at = self.operand_address(1);
-                Some(self.memory().position(at, PositionKind::XyzwprExt)?)
-            } else {
-                None
+        (Type::Array(from), Type::Array(to)) if to.dims.is_empty() => {
+            let [length] = from.dims.as_slice() else {
+                return None;
             };
-            let request = MotionRequest {
-                target,
-                via,
-                group: 1,
-                end: match waits {
-                    Waits::Yes => MoveEnd::Wait,
-                    Waits::No => MoveEnd::NoWait,
-                },
-                program: self.program.name_arc(),
-                line: self
-                    .program
-                    .code
-                    .lines
-                    .get(self.task.pc)
-                    .copied()
-                    .unwrap_or(0),
-            };
-            match self.host.start_motion(self.id, request) {
-                Progress::Pending(wait) => return Ok(Flow::Blocked(wait)),
-                Progress::Ready(Ok(motion)) => {
-                    if self.local_starts(motion) {
-                        return Ok(self.moves_with_conditions(motion, waits, operands));
-                    }
-                    motion
-                }
-                Progress::Ready(Err(status)) => {
-                    return Err(Fault::from_host(status, "The motion was refused"));
-                }
+            if to.element == Type::TEXT {
+                return Some(text_array_lengths(*length, from.element.length()?));
             }
-        };
-        if waits == Waits::Yes {
-            self.task.pending = Pending::Motion(motion);
-            match self.host.motion_ended(motion) {
-                Progress::Pending(wait) => return Ok(Flow::Blocked(wait)),
-                Progress::Ready(status) if !status.is_ok() => {
-                    return Err(Fault::from_host(status, "The motion failed"));
-                }
-                Progress::Ready(_) => self.task.pending = Pending::None,
-            }
-            self.local_ends(motion);
+            (from.element == to.element).then_some(*length)
         }
-        self.drop_operands(operands);
-        Ok(Flow::Next)
+        _ => (actual == formal).then(|| actual.length().unwrap_or(0)),
     }
 }

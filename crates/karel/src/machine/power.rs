@@ -1,6 +1,9 @@
 //! Switching the machine off and on, and what it remembers of before.
 
-use super::{Machine, cell::Cell};
+use super::{
+    Machine,
+    cell::{Cell, Memory},
+};
 use crate::{
     cmos::{self, Cmos, Scalar},
     registers::Registers,
@@ -23,6 +26,7 @@ impl Machine {
                 let values = cells.unwrap_or_default().iter().map(Scalar::of).collect();
                 let _new = variables.insert(name.to_owned(), values);
             }
+            self.export_paths(loaded, &mut memory);
             if !variables.is_empty() {
                 let name = loaded.name().to_owned();
                 let _new = memory.programs.insert(name, variables);
@@ -43,7 +47,66 @@ impl Machine {
                 }
             }
         }
+        for (program, paths) in &memory.paths {
+            for (name, nodes) in paths {
+                let path = format!("[{program}]{name}");
+                let refused_already = refused.contains(&path);
+                if self.import_path(program, name, nodes).is_none() && !refused_already {
+                    refused.push(path);
+                }
+            }
+        }
         refused
+    }
+
+    /// The nodes of the paths that are kept.
+    fn export_paths(&self, loaded: &super::Loaded, memory: &mut Cmos) {
+        for (name, first, ty) in persistent(loaded) {
+            if let (Type::Path(_), Some(Cell::Path(id))) = (ty, self.globals.get(first)) {
+                let size = self.paths.node_cells(*id) as usize;
+                let numbers = 1..=i32::try_from(self.paths.len(*id)).unwrap_or(i32::MAX);
+                let nodes = numbers.filter_map(|number| {
+                    let first = self.paths.node(*id, number)?.global_index();
+                    let cells = self.globals.get(first..first + size)?;
+                    Some(cells.iter().map(Scalar::of).collect())
+                });
+                let paths = memory.paths.entry(loaded.name().to_owned()).or_default();
+                let _new = paths.insert(name.to_owned(), nodes.collect());
+            }
+        }
+    }
+
+    fn import_path(
+        &mut self,
+        program: &str,
+        name: &str,
+        nodes: &[Vec<Option<Scalar>>],
+    ) -> Option<()> {
+        let loaded = self.programs.get(self.find_program(program)?)?;
+        let (_, first, ty) = persistent(loaded).find(|(known, ..)| *known == name)?;
+        let Type::Path(path) = ty else {
+            return None;
+        };
+        let rows = nodes.iter().map(|values| cmos::cells(values, &path.node));
+        let rows = rows.collect::<Option<Vec<_>>>()?;
+        let id = self.globals.get(first)?.expect_path();
+        self.paths.clear(id);
+        let mut no_frames = Vec::new();
+        let mut memory = Memory {
+            globals: &mut self.globals,
+            frames: &mut no_frames,
+        };
+        for (row, number) in rows.into_iter().zip(1..) {
+            let before = self.paths.len(id);
+            if !self.paths.insert(id, before, &mut memory) {
+                return None;
+            }
+            let at = self.paths.node(id, number)?;
+            for (cell, offset) in row.into_iter().zip(0..) {
+                memory.set(at.plus(offset), cell);
+            }
+        }
+        Some(())
     }
 
     fn import_variable(
@@ -57,7 +120,9 @@ impl Machine {
         let cells = cmos::cells(values, ty)?;
         let target = self.globals.get_mut(first..first + cells.len())?;
         for (slot, cell) in target.iter_mut().zip(cells) {
-            *slot = cell;
+            if !matches!(slot, Cell::Path(_)) {
+                *slot = cell;
+            }
         }
         Some(())
     }
@@ -69,8 +134,12 @@ impl Machine {
     pub fn power_cycle(&mut self) {
         self.tasks.clear();
         self.registers = Registers::new(self.limits.registers);
+        self.paths.clear_all();
         for cell in &mut self.globals {
-            *cell = Cell::Uninit;
+            // A PATH stays one, without nodes.
+            if !matches!(cell, Cell::Path(_)) {
+                *cell = Cell::Uninit;
+            }
         }
         for loaded in &self.programs {
             for file in &loaded.program.global_files {

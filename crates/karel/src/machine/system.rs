@@ -63,7 +63,9 @@ impl Exec<'_> {
                 Value::String(value)
             }
             Cell::Config(value) => Value::Config(value),
-            Cell::Uninit | Cell::File(_) => unreachable!("the checker refuses this value"),
+            Cell::Uninit | Cell::File(_) | Cell::Path(_) => {
+                unreachable!("the checker refuses this value")
+            }
         };
         self.set_whole(&path, value.into())?;
         Ok(Flow::Next)

@@ -60,6 +60,8 @@ pub(crate) struct Task {
     pub(crate) ending: Ending,
     /// Of TP programs.
     pub(crate) tp: TpState,
+    /// MOVE ALONG statements that are under way, innermost last.
+    pub(crate) along: Vec<Along>,
 }
 
 impl Task {
@@ -89,6 +91,7 @@ impl Task {
             unpaused: false,
             ending: Ending::No,
             tp: TpState::default(),
+            along: Vec::new(),
         }
     }
 
@@ -116,6 +119,22 @@ impl Task {
         let enabled = self.handlers.iter().filter(|handler| handler.enabled);
         enabled.map(|handler| handler.next).min()
     }
+}
+
+/// Progress of a MOVE ALONG.
+#[derive(Debug)]
+pub(crate) struct Along {
+    /// The node that the arm moves to, or that is next.
+    pub(crate) node: i32,
+    pub(crate) last: i32,
+    /// The motion to that node, once it was started.
+    pub(crate) motion: Option<MotionId>,
+    /// It was reached.
+    pub(crate) passed: bool,
+    /// Its conditions were enabled.
+    pub(crate) watched: bool,
+    /// Nodes that were reached, and when; 0 is the start.
+    pub(crate) reached: Vec<(i32, Duration)>,
 }
 
 /// What TP programs leave in their task.
@@ -189,6 +208,8 @@ pub(crate) enum Signal {
     Event(i32),
     Error(i32),
     Task(TaskVerb, TaskId),
+    /// A node of a MOVE ALONG was reached.
+    Node(i32),
 }
 
 /// Signals, numbered; the oldest are forgotten.
@@ -252,6 +273,8 @@ pub(crate) enum Pending {
     },
     /// A motion that was started.
     Motion(MotionId),
+    /// A MOVE ALONG, the innermost of the task.
+    Along,
     /// A motion that its SKIP CONDITION ended.
     Skipped(MotionId),
     /// When a built-in, or a WAIT of a TP program, gives up.

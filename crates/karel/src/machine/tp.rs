@@ -325,6 +325,9 @@ impl Exec<'_> {
                 }
             }
             MotionTarget::Taught(taught) => {
+                // A program may have changed it: `SET_POS_TPE`.
+                let changed = self.teaching.changed(self.program.name(), taught.number);
+                let taught = changed.unwrap_or(taught);
                 self.check_frames(taught)?;
                 Ok(taught.target.clone())
             }

@@ -1,4 +1,4 @@
-//! Files: OPEN, CLOSE, CANCEL, READ, WRITE.
+//! Files: OPEN, CLOSE, CANCEL, READ.
 //!
 //! I/O never ends a task: what went wrong is in the FILE variable, for `IO_STATUS`.
 
@@ -7,18 +7,18 @@ use std::time::Duration;
 use super::{
     cell::{Address, Cell, FileCell, FileFlag},
     exec::{Exec, Flow, row_of},
-    fault::Fault,
     task::Pending,
 };
 use crate::{
     binary,
-    host::{FileId, OpenMode, Progress, Wait},
-    ir::{Op, Outward, ReadPart, ScalarType, WritePart, WriteShape},
+    host::{FileId, OpenMode, Wait},
+    ir::{Op, Outward, ReadPart, ScalarType},
+    position::Config,
     run::ByteOrder,
     status::Status,
     text_reader::{self, ItemFormat, ItemKind, LineState, ReadResult, ReadValue},
     text_writer,
-    types::Small,
+    types::{MAX_STRING, Small},
 };
 
 impl Exec<'_> {
@@ -37,6 +37,11 @@ impl Exec<'_> {
             _ if file.has(FileFlag::Window) => Status::INTP_PREDEFINED,
             _ if file.file.is_some() => Status::INTP_FILE_IN_USE,
             None => Status::FILE_ILLEGAL_PARAMETER,
+            Some(_) if is_keyboard(&name) => {
+                file.file = Some(FileId::KEYBOARD);
+                file.line_state = LineState::Inside;
+                Status::OK
+            }
             Some(mode) => match self.host.open_file(self.id, mode, &name) {
                 Ok(id) => {
                     if is_pipe(&name) {
@@ -58,7 +63,8 @@ impl Exec<'_> {
     pub(super) fn close_file(&mut self) -> Flow {
         let at = self.pop_address();
         let file = self.memory().file(at);
-        let status = file.file.map_or(Status::OK, |id| self.host.close_file(id));
+        let open = file.file.filter(|id| *id != FileId::KEYBOARD);
+        let status = open.map_or(Status::OK, |id| self.host.close_file(id));
         self.memory().set_file(at, file.closed(status.0));
         Flow::Next
     }
@@ -118,6 +124,7 @@ impl Exec<'_> {
             Pending::None
             | Pending::Until(_)
             | Pending::Motion(_)
+            | Pending::Along
             | Pending::Skipped(_)
             | Pending::Deadline(_)
             | Pending::Paused
@@ -166,6 +173,16 @@ impl Exec<'_> {
                     file.status = Status::INTP_ILLEGAL_DATA.0;
                     self.clear_rest(shape.items.get(item..).unwrap_or_default(), below);
                     break;
+                }
+                Ok(Ok(value)) if part.is_config() && config_of(&value).is_none() => {
+                    file.status = Status::INTP_ILLEGAL_DATA.0;
+                    self.clear_rest(shape.items.get(item..).unwrap_or_default(), below);
+                    break;
+                }
+                Ok(Ok(value)) if part.is_config() => {
+                    if let (Some(target), Some(config)) = (target, config_of(&value)) {
+                        self.memory().set(target, Cell::Config(config));
+                    }
                 }
                 Ok(Ok(value)) => {
                     if let Some(target) = target {
@@ -228,7 +245,7 @@ impl Exec<'_> {
         file: &mut FileCell,
         format: Result<ItemFormat, Status>,
     ) -> Result<Result<ReadValue, Status>, FileId> {
-        let Some(id) = file.file else {
+        let Some(id) = readable(*file) else {
             return Ok(Err(not_open(*file)));
         };
         let format = match format {
@@ -279,7 +296,7 @@ impl Exec<'_> {
         }
     }
 
-    fn order_of(&self, file: FileCell) -> ByteOrder {
+    pub(super) fn order_of(&self, file: FileCell) -> ByteOrder {
         if file.has(FileFlag::Reverse) {
             self.byte_order.reversed()
         } else {
@@ -308,111 +325,37 @@ impl Exec<'_> {
             below = below.saturating_sub(part_operands(part));
         }
     }
-
-    /// Formats all items and hands them to the host in one piece.
-    pub(super) fn write(&mut self, row: u32) -> Result<Flow, Fault> {
-        let program = self.program;
-        let shape = row_of(&program.code.writes, row);
-        let operands = shape.operands as usize;
-        let mut file = FileCell::default();
-        let at = shape.to_file.then(|| self.operand_address(operands - 1));
-        if let Some(at) = at {
-            file = self.memory().file(at);
-        }
-        let formatted = self.formatted(shape, file);
-        let Some(at) = at.filter(|_| !file.has(FileFlag::Window)) else {
-            self.host.display(self.id, &formatted.map_err(bad_format)?);
-            if let Some(at) = at {
-                file.status = 0;
-                self.memory().set_file(at, file);
-            }
-            self.drop_operands(operands);
-            return Ok(Flow::Next);
-        };
-        let status = match (file.file, formatted) {
-            (None, _) => not_open(file),
-            (Some(_), Err(status)) => status,
-            (Some(id), Ok(bytes)) => match self.output(id, &bytes) {
-                Ok(status) => status,
-                Err(wait) => return Ok(Flow::Blocked(wait)),
-            },
-        };
-        file.status = status.0;
-        self.memory().set_file(at, file);
-        self.drop_operands(operands);
-        Ok(Flow::Next)
-    }
-
-    fn output(&mut self, id: FileId, bytes: &[u8]) -> Result<Status, Wait> {
-        if bytes.is_empty() {
-            return Ok(Status::OK);
-        }
-        match self.host.output(id, bytes) {
-            Progress::Ready(status) => Ok(status),
-            Progress::Pending(wait) => Err(wait),
-        }
-    }
-
-    fn formatted(&self, shape: &WriteShape, file: FileCell) -> Result<Vec<u8>, Status> {
-        let binary = file.has(FileFlag::Binary).then(|| self.order_of(file));
-        let line_end = [file.line_end];
-        let line_end = match (binary, file.line_end) {
-            // Only flushes, and everything is sent at once.
-            (Some(_), _) => &[],
-            (None, 0) => text_writer::LINE_END,
-            (None, _) => line_end.as_slice(),
-        };
-        let mut out = Vec::new();
-        let mut below = shape.operands as usize - usize::from(shape.to_file);
-        for part in &shape.items {
-            let WritePart::Value { ty, formats } = part else {
-                out.extend_from_slice(line_end);
-                continue;
-            };
-            below -= 1;
-            let value = self.operand(below);
-            let mut widths = [None, None];
-            for width in widths.iter_mut().take(*formats as usize) {
-                below -= 1;
-                *width = Some(write_width(self.operand(below))?);
-            }
-            let [width, digits] = widths;
-            if let Some(order) = binary
-                && let Some(word) = word_of(value)
-            {
-                binary::number(&mut out, word, *ty, order);
-                continue;
-            }
-            match value {
-                Cell::Integer(value) => text_writer::integer(&mut out, *value, width),
-                Cell::Real(value) => text_writer::real(&mut out, *value, width, digits),
-                Cell::Boolean(value) => text_writer::boolean(&mut out, *value, width),
-                Cell::Text(value) => text_writer::text(&mut out, value.as_bytes(), width),
-                Cell::Uninit | Cell::Config(_) | Cell::File(_) | Cell::Address(_) => {
-                    unreachable!("the checker refuses WRITE of {value:?}")
-                }
-            }
-        }
-        Ok(out)
-    }
 }
 
-/// The bits of a number for a binary file.
-fn word_of(cell: &Cell) -> Option<u32> {
-    match cell {
-        Cell::Integer(value) => Some(value.cast_unsigned()),
-        Cell::Real(value) => Some(value.to_bits()),
-        Cell::Boolean(value) => Some(u32::from(*value)),
-        Cell::Uninit | Cell::Text(_) | Cell::Config(_) | Cell::File(_) | Cell::Address(_) => None,
+/// The configuration that a text is, or the bytes of a binary file.
+fn config_of(value: &ReadValue) -> Option<Config> {
+    match value {
+        ReadValue::Text(text) => Config::parse(&text.to_string_lossless()),
+        ReadValue::Integer(word) => Some(binary::config(word.cast_unsigned())),
+        ReadValue::Real(_) | ReadValue::Boolean(_) | ReadValue::Nothing => None,
     }
 }
 
 fn is_pipe(name: &str) -> bool {
-    let device = name.split(':').next().unwrap_or_default();
-    device.trim().eq_ignore_ascii_case("PIP")
+    device(name).eq_ignore_ascii_case("PIP")
 }
 
-fn not_open(file: FileCell) -> Status {
+/// `KB:TPKB` and its like.
+fn is_keyboard(name: &str) -> bool {
+    name.contains(':') && device(name).eq_ignore_ascii_case("KB")
+}
+
+fn device(name: &str) -> &str {
+    name.split(':').next().unwrap_or_default().trim()
+}
+
+/// The file that a READ reads: that of a window is the keyboard of the pendant.
+fn readable(file: FileCell) -> Option<FileId> {
+    let window = file.has(FileFlag::Window).then_some(FileId::KEYBOARD);
+    file.file.or(window)
+}
+
+pub(super) fn not_open(file: FileCell) -> Status {
     if file.has(FileFlag::Window) {
         Status::INTP_PREDEFINED
     } else {
@@ -435,17 +378,6 @@ fn fits(part: &ReadPart, value: &ReadValue) -> bool {
     };
     let (least, most) = small.range();
     !matches!(value, ReadValue::Integer(value) if !(least..=most).contains(value))
-}
-
-fn bad_format(status: Status) -> Fault {
-    Fault::new(status, "Invalid format specifier in WRITE")
-}
-
-fn write_width(cell: &Cell) -> Result<usize, Status> {
-    let width = usize::try_from(cell.expect_integer()).ok();
-    width
-        .filter(|width| *width <= text_writer::MAX_WIDTH)
-        .ok_or(Status::INTP_ARGUMENT)
 }
 
 fn part_operands(part: &ReadPart) -> usize {
@@ -475,6 +407,8 @@ fn item_format(
                 Ok(_) | Err(_) => return Err(Status::INTP_ARGUMENT),
             }
         }
+        // It ends with its line.
+        (ScalarType::Config, _) => ItemKind::Text { length: MAX_STRING },
         (ScalarType::Real, _) => ItemKind::Real,
         (ScalarType::Boolean, _) => ItemKind::Boolean,
         (ScalarType::Text, None | Some(0)) => ItemKind::Text {

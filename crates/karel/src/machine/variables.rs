@@ -2,14 +2,16 @@
 
 use super::{
     Loaded, Machine,
-    cell::{Address, Memory},
+    cell::{Address, Cell, Memory},
+    created::Created,
+    paths::Paths,
     system::Found,
 };
 use crate::{
     host::TaskId,
     status::Status,
     syspath::{Step, SysPath},
-    types::{TextLength, Type},
+    types::{PathType, TextLength, Type},
     value::Value,
 };
 
@@ -20,7 +22,7 @@ impl Machine {
     /// MEMO-073 if the program is not loaded, VARS-011 for an unknown name, VARS-024 for a
     /// subscript out of range, VARS-012 for a whole array or structure.
     pub fn variable(&mut self, program: &str, path: &SysPath) -> Result<Option<Value>, Status> {
-        let found = find(&self.programs, program, path)?;
+        let found = find(self.names(), program, path)?;
         let mut no_frames = Vec::new();
         let memory = Memory {
             globals: &mut self.globals,
@@ -40,7 +42,7 @@ impl Machine {
         path: &SysPath,
         value: Option<&Value>,
     ) -> Result<(), Status> {
-        let found = find(&self.programs, program, path)?;
+        let found = find(self.names(), program, path)?;
         let mut no_frames = Vec::new();
         let mut memory = Memory {
             globals: &mut self.globals,
@@ -57,6 +59,15 @@ impl Machine {
         Ok(())
     }
 
+    pub(super) fn names(&self) -> Names<'_> {
+        Names {
+            programs: &self.programs,
+            paths: &self.paths,
+            created: &self.created,
+            globals: &self.globals,
+        }
+    }
+
     /// The task that runs a program, if there is one.
     #[must_use]
     pub fn task_of(&self, program: &str) -> Option<TaskId> {
@@ -64,35 +75,20 @@ impl Machine {
     }
 }
 
-/// Follows a path from a program's variable.
-pub(crate) fn find(programs: &[Loaded], program: &str, path: &SysPath) -> Result<Found, Status> {
-    let loaded = programs
-        .iter()
-        .find(|loaded| loaded.program.name().eq_ignore_ascii_case(program))
-        .ok_or(Status::MEMO_NO_PROGRAM)?;
-    let (cell, ty) = loaded
-        .program
-        .globals
-        .get(path.root())
-        .ok_or(Status::VARS_UNKNOWN)?;
-    let mut found = Found {
-        at: Address::global(loaded.base + cell),
-        ty: ty.clone(),
-    };
-    for step in path.steps().iter().skip(1) {
-        found = match step {
-            Step::Name(name) => {
-                let (offset, ty) = found.ty.field(name).ok_or(Status::VARS_UNKNOWN)?;
-                Found {
-                    at: found.at.plus(offset),
-                    ty,
-                }
-            }
-            Step::Index(subscripts) => element(&found, subscripts)?,
-        };
-    }
+/// What is needed to find a variable by its name.
+#[derive(Clone, Copy)]
+pub(crate) struct Names<'a> {
+    pub(crate) programs: &'a [Loaded],
+    pub(crate) paths: &'a Paths,
+    pub(crate) created: &'a Created,
+    pub(crate) globals: &'a [Cell],
+}
+
+/// Follows a path from a program's variable to what has a value of its own.
+pub(crate) fn find(names: Names<'_>, program: &str, path: &SysPath) -> Result<Found, Status> {
+    let found = locate(names, program, path)?;
     match &found.ty {
-        Type::Array(_) | Type::Structure(_) | Type::File => Err(Status::VARS_TYPE),
+        Type::Array(_) | Type::Structure(_) | Type::Path(_) | Type::File => Err(Status::VARS_TYPE),
         Type::Text(TextLength::AtMost(length)) => Ok(Found {
             at: found.at.with_extra(*length),
             ty: found.ty,
@@ -107,6 +103,60 @@ pub(crate) fn find(programs: &[Loaded], program: &str, path: &SysPath) -> Result
         | Type::Small(_)
         | Type::Error => Ok(found),
     }
+}
+
+/// Follows a path from a program's variable to anything.
+pub(crate) fn locate(names: Names<'_>, program: &str, path: &SysPath) -> Result<Found, Status> {
+    let mut programs = names.programs.iter();
+    let loaded = programs.find(|loaded| loaded.program.name().eq_ignore_ascii_case(program));
+    let loaded = loaded.ok_or(Status::MEMO_NO_PROGRAM)?;
+    let (cell, ty) = match loaded.program.globals.get(path.root()) {
+        Some((cell, ty)) => (loaded.base + cell, ty),
+        None => names
+            .created
+            .get(loaded.program.name(), path.root())
+            .ok_or(Status::VARS_UNKNOWN)?,
+    };
+    let mut found = Found {
+        at: Address::global(cell),
+        ty: ty.clone(),
+    };
+    for step in path.steps().iter().skip(1) {
+        found = match step {
+            Step::Name(name) => {
+                let (offset, ty) = found.ty.field(name).ok_or(Status::VARS_UNKNOWN)?;
+                Found {
+                    at: found.at.plus(offset),
+                    ty,
+                }
+            }
+            Step::Index(subscripts) => {
+                if let Type::Path(path) = &found.ty {
+                    node(names, found.at, path, subscripts)?
+                } else {
+                    element(&found, subscripts)?
+                }
+            }
+        };
+    }
+    Ok(found)
+}
+
+fn node(
+    names: Names<'_>,
+    at: Address,
+    path: &PathType,
+    subscripts: &[i32],
+) -> Result<Found, Status> {
+    let ([number], Some(Cell::Path(id))) = (subscripts, names.globals.get(at.global_index()))
+    else {
+        return Err(Status::VARS_INDEX);
+    };
+    let at = names.paths.node(*id, *number).ok_or(Status::VARS_INDEX)?;
+    Ok(Found {
+        at,
+        ty: path.node.clone(),
+    })
 }
 
 fn element(found: &Found, subscripts: &[i32]) -> Result<Found, Status> {

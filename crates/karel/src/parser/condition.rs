@@ -2,7 +2,10 @@
 
 use super::{Parsed, Parser, Reported};
 use crate::{
-    ast::{Condition, Conditions, Edge, Expr, ExprKind, Signaled, Stmt, StmtKind, TaskVerb, When},
+    ast::{
+        Condition, Conditions, Edge, Expr, ExprKind, NodeSide, Signaled, Stmt, StmtKind, TaskVerb,
+        When,
+    },
     port::Port,
     token::{Keyword, Symbol, TokenKind},
 };
@@ -164,10 +167,15 @@ impl Parser<'_> {
             let number = self.bracketed()?;
             return Ok(Condition::Signaled { what, number });
         }
-        if matches!(word.as_str(), "AT" | "TIME") && !is_event && !bracket {
-            let message = format!("the condition {word} .. NODE, of a path, is not supported yet");
-            self.reports.error(token.span, message);
-            return Err(Reported);
+        let at_node = next == TokenKind::Name && self.ahead_is_word(1, "NODE");
+        if word == "AT" && at_node {
+            self.position += 2;
+            let node = self.node_number()?;
+            let at = token.span;
+            return Ok(Condition::AtNode { node, at });
+        }
+        if word == "TIME" && !bracket && !is_event && starts_operand(next) {
+            return self.node_time();
         }
         if bracket && Port::named(&word).is_some() {
             let before = self.position;
@@ -190,6 +198,42 @@ impl Parser<'_> {
         Ok(Condition::Expr(self.expression()?))
     }
 
+    /// `TIME t BEFORE NODE[n]`.
+    fn node_time(&mut self) -> Parsed<Condition> {
+        let at = self.bump().span;
+        let time = self.expression()?;
+        let word = self.expect_name("BEFORE or AFTER")?;
+        let Some(side) = NodeSide::of_word(&word.text) else {
+            let message = format!("expected BEFORE or AFTER, found `{}`", word.text);
+            self.reports.error(word.span, message);
+            return Err(Reported);
+        };
+        self.expect_word("NODE")?;
+        let Some(node) = self.node_number()? else {
+            let message = "TIME needs the number of a node";
+            self.reports.error(word.span, message);
+            return Err(Reported);
+        };
+        Ok(Condition::NodeTime {
+            time,
+            side,
+            node,
+            at,
+        })
+    }
+
+    /// `[n]`, or nothing for `[*]`.
+    fn node_number(&mut self) -> Parsed<Option<Expr>> {
+        if self.at_symbol(Symbol::LeftBracket)
+            && self.peek_ahead(1).kind == TokenKind::Symbol(Symbol::Star)
+        {
+            self.position += 2;
+            let _ = self.expect_symbol(Symbol::RightBracket)?;
+            return Ok(None);
+        }
+        self.bracketed().map(Some)
+    }
+
     fn task_condition(&mut self, verb: TaskVerb) -> Parsed<Condition> {
         let task = self.program_number()?;
         Ok(Condition::Task { verb, task })
@@ -210,6 +254,14 @@ impl Parser<'_> {
         let _ = self.expect_symbol(Symbol::RightBracket)?;
         Ok(inner)
     }
+}
+
+/// Whether an operand starts here: `TIME` is a name, too.
+fn starts_operand(kind: TokenKind) -> bool {
+    matches!(
+        kind,
+        TokenKind::Name | TokenKind::Integer | TokenKind::Symbol(Symbol::LeftParen)
+    )
 }
 
 /// Whether nothing of the same condition can follow.

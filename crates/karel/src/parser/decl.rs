@@ -277,8 +277,7 @@ impl Parser<'_> {
             if name.text == "STRING" {
                 TypeKind::Text(self.string_length()?)
             } else {
-                self.refuse_type_suffix(&name)?;
-                TypeKind::Name(name)
+                self.type_suffix(name)?
             }
         };
         Ok(TypeExpr {
@@ -296,15 +295,62 @@ impl Parser<'_> {
         Ok(Some(Box::new(length)))
     }
 
-    /// `POSITION IN GROUP[2]` and `PATH NODEDATA = ..` are KAREL and not run yet.
-    fn refuse_type_suffix(&mut self, name: &Name) -> Parsed<()> {
-        if self.peek().kind != TokenKind::Name {
-            return Ok(());
+    /// What may follow the name of a type: the parts of a PATH, `IN GROUP[1]`.
+    fn type_suffix(&mut self, name: Name) -> Parsed<TypeKind> {
+        let is_path = name.text == "PATH";
+        let part = self.path_part();
+        if is_path && part.is_some() {
+            let (mut header, mut node) = (None, None);
+            while let Some(word) = self.path_part() {
+                self.skip_separators();
+                let at = self.bump().span;
+                let _ = self.expect_symbol(Symbol::Equal)?;
+                let ty = Box::new(self.nested(Self::type_expression)?);
+                let slot = if word == "PATHHEADER" {
+                    &mut header
+                } else {
+                    &mut node
+                };
+                if slot.replace(ty).is_some() {
+                    self.reports.error(at, format!("{word} stands here twice"));
+                }
+                let _ = self.eat_symbol(Symbol::Comma);
+            }
+            return Ok(TypeKind::Path { header, node });
         }
-        let message = format!("the rest of this {} type is not supported yet", name.text);
-        let span = self.peek().span;
-        self.reports.error(span, message);
-        Err(Reported)
+        if self.at_word("IN") {
+            self.position += 1;
+            self.groups()?;
+            return Ok(TypeKind::Name(name));
+        }
+        if self.peek().kind == TokenKind::Name {
+            let message = format!("nothing can follow the type {} here", name.text);
+            let span = self.peek().span;
+            self.reports.error(span, message);
+            return Err(Reported);
+        }
+        Ok(if is_path {
+            TypeKind::Path {
+                header: None,
+                node: None,
+            }
+        } else {
+            TypeKind::Name(name)
+        })
+    }
+
+    /// The word of the next part of a PATH, which may stand on a line of its own.
+    fn path_part(&self) -> Option<&'static str> {
+        let mut ahead = 0;
+        while self.peek_ahead(ahead).kind == TokenKind::LineEnd {
+            ahead += 1;
+        }
+        let words = ["PATHHEADER", "NODEDATA"];
+        let word = words
+            .into_iter()
+            .find(|word| self.ahead_is_word(ahead, word))?;
+        let equal = self.peek_ahead(ahead + 1).kind == TokenKind::Symbol(Symbol::Equal);
+        equal.then_some(word)
     }
 
     fn dims(&mut self) -> Parsed<Vec<Dim>> {

@@ -247,11 +247,15 @@ impl Parser<'_> {
         while self.eat_symbol(Symbol::Comma) {
             subscripts.push(self.expression()?);
         }
-        if self.at_symbol(Symbol::DoubleDot) {
-            let span = self.peek().span;
-            self.reports
-                .error(span, "ranges of path nodes are not supported yet");
-            return Err(Reported);
+        if subscripts.len() == 1 && self.eat_symbol(Symbol::DoubleDot) {
+            let last = Box::new(self.expression()?);
+            let close = self.expect_symbol(Symbol::RightBracket)?;
+            let first = subscripts.pop().map(Box::new).ok_or(Reported)?;
+            return Ok(PathStep::Range {
+                first,
+                last,
+                span: open.to(close),
+            });
         }
         let close = self.expect_symbol(Symbol::RightBracket)?;
         Ok(PathStep::Index {
@@ -277,6 +281,7 @@ fn path_height(path: &Path) -> u16 {
             .map(|subscript| subscript.height)
             .max()
             .unwrap_or(0),
+        PathStep::Range { first, last, .. } => first.height.max(last.height),
     });
     heights.max().unwrap_or(0)
 }

@@ -2,7 +2,7 @@
 
 use super::{Parsed, Parser, Reported};
 use crate::{
-    ast::{HandVerb, Item, ItemKind, MotionVerb, StmtKind, Waits},
+    ast::{HandVerb, Item, ItemKind, MotionVerb, StmtKind},
     token::{Keyword, Symbol, TokenKind},
 };
 
@@ -89,40 +89,13 @@ impl Parser<'_> {
         Ok(StmtKind::Motion(MotionVerb::Cancel))
     }
 
-    pub(super) fn move_statement(&mut self) -> Parsed<StmtKind> {
-        self.position += 1;
-        if !self.eat_keyword(Keyword::To) {
-            let word = self.peek();
-            if word.kind != TokenKind::Name {
-                return Err(self.expected("TO"));
-            }
-            let what = format!("MOVE {}", self.name_of(word.span).text);
-            return Ok(self.unsupported_line(&what));
-        }
-        let target = self.expression()?;
-        let via = if self.at_word("VIA") {
-            self.position += 1;
-            Some(self.expression()?)
-        } else {
-            None
-        };
-        let waits = if self.eat_keyword(Keyword::NoWait) {
-            Waits::No
-        } else {
-            Waits::Yes
-        };
-        let (whens, until) = self.move_clauses()?;
-        Ok(StmtKind::MoveTo {
-            target,
-            via,
-            waits,
-            whens,
-            until,
-        })
+    pub(super) fn at_word(&self, word: &str) -> bool {
+        self.ahead_is_word(0, word)
     }
 
-    pub(super) fn at_word(&self, word: &str) -> bool {
-        let token = self.peek();
+    /// Whether the token after `ahead` others is this word.
+    pub(super) fn ahead_is_word(&self, ahead: usize, word: &str) -> bool {
+        let token = self.peek_ahead(ahead);
         token.kind == TokenKind::Name
             && self
                 .source

@@ -10,6 +10,7 @@ mod decl;
 mod expr;
 mod include;
 mod io;
+mod motion;
 mod stmt;
 mod word;
 

@@ -187,11 +187,6 @@ impl Parser<'_> {
         }
         Ok(StmtKind::Return(None))
     }
-
-    pub(super) fn unsupported_line(&mut self, what: &str) -> StmtKind {
-        self.skip_to_separator();
-        StmtKind::Unsupported(what.to_owned())
-    }
 }
 
 /// Words that end a list of statements.

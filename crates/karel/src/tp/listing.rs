@@ -1,8 +1,8 @@
 //! The sections of a listing: `/PROG`, `/ATTR`, `/APPL`, `/MN`, `/POS`, `/END`.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, sync::Arc};
 
-use super::{Instruction, Operand, instruction::Line, position, resolve, scan::Scanner};
+use super::{Instruction, Operand, Taught, instruction::Line, position, resolve, scan::Scanner};
 use crate::{
     diagnostic::Reports,
     span::{Source, Span, latin1},
@@ -13,6 +13,8 @@ use crate::{
 pub(crate) struct Listing {
     pub(crate) name: String,
     pub(crate) instructions: Vec<Instruction>,
+    /// Taught positions.
+    pub(crate) positions: BTreeMap<i32, Arc<Taught>>,
 }
 
 /// Lines of a program; more are refused.
@@ -57,6 +59,7 @@ pub(crate) fn parse(source: &Source, reports: &mut Reports) -> Option<Listing> {
     Some(Listing {
         name,
         instructions: resolve::resolve(lines, &taught, reports),
+        positions: taught,
     })
 }
 

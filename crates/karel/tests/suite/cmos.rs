@@ -107,3 +107,69 @@ fn a_variable_of_a_routine_is_never_kept() {
     let errors = Program::parse_and_check(source, "t.kl").unwrap_err();
     assert!(errors[0].message.contains("found `RAM`"), "{errors:?}");
 }
+
+#[test]
+fn a_path_in_cmos_keeps_its_nodes_and_another_loses_them() {
+    let source = b"PROGRAM t
+TYPE
+  head_t = STRUCTURE
+    tag : STRING[4]
+  ENDSTRUCTURE
+  node_t = STRUCTURE
+    n : INTEGER
+    x : REAL
+  ENDSTRUCTURE
+VAR
+  kept IN CMOS : PATH PATHHEADER = head_t, NODEDATA = node_t
+  lost : PATH NODEDATA = node_t
+  status : INTEGER
+BEGIN
+  APPEND_NODE(kept, status)
+  APPEND_NODE(kept, status)
+  APPEND_NODE(lost, status)
+  kept[2].n = 5
+  kept.tag = 'ab'
+  lost[1].n = 6
+END t
+";
+    let (mut machine, task) = machine_with(source, "t.kl");
+    let mut host = ScriptedHost::new(Vec::new());
+    run(&mut machine, task, &mut host);
+    let (views, more) = machine.variables_of("t", 100).unwrap();
+    let paths: Vec<&str> = views.iter().map(|view| view.path.as_str()).collect();
+    let expected = [
+        "KEPT.TAG",
+        "KEPT[1].N",
+        "KEPT[1].X",
+        "KEPT[2].N",
+        "KEPT[2].X",
+        "LOST[1].N",
+        "LOST[1].X",
+        "STATUS",
+    ];
+    assert_eq!((paths.as_slice(), more), (&expected[..], false));
+    let memory = machine.export_cmos();
+    machine.power_cycle();
+    let gone = SysPath::parse("kept[1].n").unwrap();
+    assert!(machine.variable("t", &gone).is_err(), "no node is there");
+    assert_eq!(machine.import_cmos(&memory), Vec::<String>::new());
+    assert_eq!(value(&mut machine, "kept[2].n"), Some(Value::Integer(5)));
+    assert_eq!(value(&mut machine, "kept[1].n"), None);
+    assert_eq!(
+        value(&mut machine, "kept.tag"),
+        Some(Value::String("ab".into()))
+    );
+    assert!(
+        machine
+            .variable("t", &SysPath::parse("lost[1].n").unwrap())
+            .is_err()
+    );
+    // Nodes of another shape are refused.
+    let mut other = memory.clone();
+    let nodes = other
+        .paths
+        .get_mut("T")
+        .and_then(|paths| paths.get_mut("KEPT"));
+    nodes.unwrap().push(vec![Some(Scalar::Boolean(true))]);
+    assert_eq!(machine.import_cmos(&other), ["[T]KEPT"]);
+}

@@ -84,7 +84,7 @@ fn outcome(source: &[u8], name: &str) -> String {
     machine.load(program).unwrap();
     for file in loads(source) {
         let text = fs::read(folder().join(&file)).unwrap();
-        let program = Program::with_includes(&text, &file, &more()).unwrap();
+        let program = Program::from_file(&text, &file, &more()).unwrap();
         if let Err(error) = machine.load(program) {
             return out + &error.to_string() + "\n";
         }

@@ -2,13 +2,15 @@
 
 use std::{
     collections::{BTreeMap, VecDeque},
+    fmt::Write as _,
     time::Duration,
 };
 
 use karel::{
     AlarmView, FileId, HandAction, Host, Input, InputEnd, JointPosition, Limits, Machine, MotionId,
-    MotionRequest, MoveEnd, OpenMode, Port, PortValue, Position, Program, ProgramAlarm, Progress,
-    Run, RuntimeError, Status, SysPath, SysValue, TaskId, Text, Value, Wait, Xyzwpr, XyzwprExt,
+    MotionPath, MotionRequest, MoveEnd, OpenMode, Port, PortValue, Position, Program, ProgramAlarm,
+    Progress, Registers, Run, RuntimeError, Status, SysPath, SysValue, TaskId, Text, TpMotion,
+    TpTarget, Value, Wait, Xyzwpr, XyzwprExt,
 };
 
 /// What the world does, in this order; each is done when the program waits for it.
@@ -53,6 +55,11 @@ pub(crate) struct ScriptedHost {
     closed: bool,
     moving: Option<MotionId>,
     next_file: u32,
+    /// Files of the device `FR:` by name.
+    files: BTreeMap<String, Vec<u8>>,
+    /// Those that are open, and how far they were read.
+    open: BTreeMap<FileId, (String, usize)>,
+    simulated: BTreeMap<(Port, i32), PortValue>,
 }
 
 impl ScriptedHost {
@@ -77,6 +84,9 @@ impl ScriptedHost {
             closed: false,
             moving: None,
             next_file: 1,
+            files: BTreeMap::new(),
+            open: BTreeMap::new(),
+            simulated: BTreeMap::new(),
         }
     }
 
@@ -168,6 +178,22 @@ impl Host for ScriptedHost {
     }
 
     fn open_file(&mut self, _: TaskId, mode: OpenMode, name: &str) -> Result<FileId, Status> {
+        let file = name.to_ascii_uppercase();
+        if file.starts_with("FR:") {
+            match mode {
+                OpenMode::ReadOnly if !self.files.contains_key(&file) => {
+                    return Err(Status::FILE_NOT_FOUND);
+                }
+                OpenMode::ReadOnly => {}
+                OpenMode::ReadWrite | OpenMode::Append | OpenMode::Update => {
+                    drop(self.files.insert(file.clone(), Vec::new()));
+                }
+            }
+            let id = FileId(1000 + self.next_file);
+            self.next_file += 1;
+            let _new = self.open.insert(id, (file, 0));
+            return Ok(id);
+        }
         self.note(&format!("open {name} {mode:?}"));
         if !self.connected {
             return Err(Status::INTP_OPEN_FAILED);
@@ -177,6 +203,9 @@ impl Host for ScriptedHost {
     }
 
     fn close_file(&mut self, file: FileId) -> Status {
+        if self.open.remove(&file).is_some() {
+            return Status::OK;
+        }
         self.note(&format!("close {}", file.0));
         Status::OK
     }
@@ -186,7 +215,17 @@ impl Host for ScriptedHost {
         Status::OK
     }
 
-    fn input(&self, _: FileId) -> Input<'_> {
+    fn input(&self, file: FileId) -> Input<'_> {
+        if let Some((name, from)) = self.open.get(&file) {
+            return Input {
+                bytes: self
+                    .files
+                    .get(name)
+                    .and_then(|bytes| bytes.get(*from..))
+                    .unwrap(),
+                end: InputEnd::Closed(Status::FILE_END),
+            };
+        }
         let end = if self.closed {
             InputEnd::Closed(Status::HOST_PEER_CLOSED)
         } else {
@@ -198,11 +237,19 @@ impl Host for ScriptedHost {
         }
     }
 
-    fn consume(&mut self, _: FileId, count: usize) {
+    fn consume(&mut self, file: FileId, count: usize) {
+        if let Some((_, from)) = self.open.get_mut(&file) {
+            *from += count;
+            return;
+        }
         drop(self.received.drain(..count));
     }
 
     fn output(&mut self, file: FileId, bytes: &[u8]) -> Progress<Status> {
+        if let Some((name, _)) = self.open.get(&file) {
+            self.files.get_mut(name).unwrap().extend_from_slice(bytes);
+            return Progress::Ready(Status::OK);
+        }
         self.note(&format!("write {} {}", file.0, quoted(bytes)));
         self.segments += 1;
         if let Some(reply) = self.replies.last_mut() {
@@ -280,6 +327,9 @@ impl Host for ScriptedHost {
         } else {
             PortValue::Number(0)
         };
+        if let Some(simulated) = self.simulated.get(&(port, number)) {
+            return Ok(*simulated);
+        }
         let set = self.ports.get(&(port, number)).copied();
         // The first digital input comes on after a while.
         if (port, number) == (Port::DigitalIn, 1) && self.now >= Duration::from_millis(100) {
@@ -299,6 +349,43 @@ impl Host for ScriptedHost {
         self.note(&format!("{port}[{number}] = {value:?}"));
         let _old = self.ports.insert((port, number), value);
         Ok(())
+    }
+
+    fn port_is_simulated(&self, port: Port, number: i32) -> bool {
+        self.simulated.contains_key(&(port, number))
+    }
+
+    /// Only inputs.
+    fn simulate_port(
+        &mut self,
+        _: TaskId,
+        port: Port,
+        number: i32,
+        value: Option<PortValue>,
+    ) -> Result<(), Status> {
+        if !port.is_input() {
+            return Err(Status::INTP_ARGUMENT);
+        }
+        let _before = match value {
+            Some(value) => self.simulated.insert((port, number), value),
+            None => self.simulated.remove(&(port, number)),
+        };
+        Ok(())
+    }
+
+    fn start_tp_motion(
+        &mut self,
+        _: TaskId,
+        motion: TpMotion,
+        _: &Registers,
+    ) -> Progress<Result<MotionId, Status>> {
+        let target = match &motion.target {
+            TpTarget::Cartesian(position) => shown(&Value::XyzwprExt(*position)),
+            TpTarget::Joints(joints) => format!("{:?}", joints.axes),
+        };
+        let (program, line) = (&motion.program, motion.line);
+        self.note(&format!("{program} line {line} moves to {target}"));
+        Progress::Ready(Ok(MotionId(0)))
     }
 
     fn cancel_arm(&mut self, _: TaskId) {
@@ -420,7 +507,17 @@ impl Host for ScriptedHost {
             MoveEnd::NoWait => "nowait",
         };
         let place = shown(&Value::XyzwprExt(motion.target));
-        self.note(&format!("move {place} {word} line {}", motion.line));
+        let mut line = format!("move {place} {word} line {}", motion.line);
+        if let Some(via) = motion.via {
+            let _ = write!(line, " via {}", shown(&Value::XyzwprExt(via)));
+        }
+        if let Some(joints) = &motion.joints {
+            let _ = write!(line, " joints {:?}", joints.axes);
+        }
+        if motion.path == MotionPath::Straight {
+            line += " straight";
+        }
+        self.note(&line);
         self.moves.push(motion);
         let id = MotionId(self.moves.len() as u64);
         self.moving = Some(id);
@@ -433,6 +530,10 @@ impl Host for ScriptedHost {
         }
         self.note("motion ended");
         Progress::Ready(Status::OK)
+    }
+
+    fn motion_left(&self, motion: MotionId) -> Option<Duration> {
+        (self.moving == Some(motion)).then_some(Duration::from_millis(10))
     }
 
     fn post_alarm(&mut self, _: TaskId, alarm: &RuntimeError) {

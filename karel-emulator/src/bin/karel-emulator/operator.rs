@@ -53,6 +53,13 @@ enum Key {
     Continue { task: String },
     /// Let a paused task execute one line.
     StepTask { task: String },
+    /// Type at the pendant's keyboard, and press ENTER.
+    Type {
+        text: String,
+        /// Without ENTER.
+        #[arg(long)]
+        no_enter: bool,
+    },
     /// Switch the power off and on.
     PowerCycle {
         /// The battery was changed too late: variables in CMOS and registers are lost.
@@ -97,6 +104,13 @@ impl Operator {
             Key::Pause { task: name } => task(name, "pause"),
             Key::Continue { task: name } => task(name, "continue"),
             Key::StepTask { task: name } => task(name, "step"),
+            Key::Type { text, no_enter } => {
+                let enter = if *no_enter { "" } else { "\n" };
+                panel.post(
+                    "/api/v1/keyboard",
+                    &json!({"text": format!("{text}{enter}")}),
+                )
+            }
             Key::PowerCycle { lose_memory } => {
                 let memory = if *lose_memory { "lost" } else { "kept" };
                 panel.post("/api/v1/power-cycle", &json!({"memory": memory}))

@@ -32,7 +32,7 @@ pub use data::{
 };
 pub use faults::{Cleared, FaultId, FaultList};
 pub use frames::{FrameView, Frames, SelectedFrame};
-pub use operator::{OperatorPatch, OperatorView, PowerBody};
+pub use operator::{KeyboardBody, OperatorPatch, OperatorView, PowerBody};
 pub use parts::ProblemBody;
 pub use programs::{CallView, ProgramList, TaskDetail, TaskList};
 pub use time::{StepBody, TimePatch};

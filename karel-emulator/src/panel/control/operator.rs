@@ -21,6 +21,7 @@ pub(super) fn routes() -> OpenApiRouter<Visitors> {
         .routes(routes!(reset))
         .routes(routes!(jog))
         .routes(routes!(power_cycle))
+        .routes(routes!(type_text))
 }
 
 /// Keys and switches as they are.
@@ -76,6 +77,16 @@ pub struct OperatorPatch {
 pub struct PowerBody {
     /// `kept`, or `lost` as after a battery was changed too late.
     pub memory: Memory,
+}
+
+/// What is typed at the pendant.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct KeyboardBody {
+    /// Characters up to U+00FF, one key each: a line feed is ENTER, U+0080 and above are the keys of the header
+    /// `klevkeys` that are no characters.
+    #[schema(example = "42\n")]
+    pub text: String,
 }
 
 fn view(core: &Controller) -> OperatorView {
@@ -164,6 +175,16 @@ async fn power_cycle(
         view(&driver.core)
     });
     Ok(Json(answer.await?))
+}
+
+/// Types at the pendant: what a READ without a file, or a `READ_KB`, waits for.
+#[utoipa::path(post, path = "/api/v1/keyboard", tag = "operator", request_body = KeyboardBody,
+    responses((status = 200, description = "The switches.", body = OperatorView), AnyProblem))]
+async fn type_text(
+    Shared(visitors): Shared<Visitors>,
+    Body(KeyboardBody { text }): Body<KeyboardBody>,
+) -> Result<Json<OperatorView>, Refusal> {
+    operate(&visitors, vec![Operation::Type(text)]).await
 }
 
 async fn operate(

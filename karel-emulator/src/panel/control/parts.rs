@@ -175,10 +175,12 @@ impl From<OperateError> for Refusal {
         let status = match &error {
             OperateError::CannotStart { .. }
             | OperateError::CannotJog { .. }
+            | OperateError::KeyboardFull { .. }
             | OperateError::Missing { .. } => StatusCode::CONFLICT,
             OperateError::Facility { .. }
             | OperateError::AlarmNumber { .. }
             | OperateError::Override { .. }
+            | OperateError::Key { .. }
             | OperateError::JogLimits { .. } => StatusCode::UNPROCESSABLE_ENTITY,
             OperateError::Stopped(_) => StatusCode::SERVICE_UNAVAILABLE,
         };
