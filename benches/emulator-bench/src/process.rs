@@ -1,6 +1,16 @@
 //! What this process uses.
 
+use std::time::Duration;
+
 use anyhow::{Context as _, Result};
+use rustix::time::{ClockId, clock_gettime};
+
+/// Processor time of this thread: what else runs on the machine does not count. Nothing that is measured with it waits.
+pub(crate) fn thread_time() -> Duration {
+    let time = clock_gettime(ClockId::ThreadCPUTime);
+    let whole = Duration::from_secs(time.tv_sec.unsigned_abs());
+    whole + Duration::from_nanos(time.tv_nsec.unsigned_abs())
+}
 
 /// User and system time of this process; the unit of the file is a hundredth of a second.
 pub(crate) fn processor_seconds() -> Result<f64> {

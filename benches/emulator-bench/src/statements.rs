@@ -4,11 +4,10 @@
 //! uninitialized data, no subscripts, no overflow and no fuel, so it is a hard baseline. Both get their source: it is
 //! translated within the measured time.
 
-use std::time::Instant;
-
 use anyhow::Result;
 use mlua::Lua;
 
+use crate::process::thread_time;
 use crate::{machine, median};
 
 const ROUNDS: u32 = 1_000_000;
@@ -130,15 +129,15 @@ pub(crate) fn run(repeats: usize) -> Result<()> {
         let mut rates = Vec::new();
         let mut ratios = Vec::new();
         for _ in 0..repeats {
-            let begin = Instant::now();
+            let begin = thread_time();
             let _instructions = machine::run(pair.karel)?;
-            let karel = begin.elapsed().as_secs_f64();
-            let begin = Instant::now();
+            let karel = (thread_time() - begin).as_secs_f64();
+            let begin = thread_time();
             Lua::new()
                 .load(pair.lua)
                 .exec()
                 .map_err(|error| anyhow::anyhow!("{error}"))?;
-            let lua = begin.elapsed().as_secs_f64();
+            let lua = (thread_time() - begin).as_secs_f64();
             rates.push(f64::from(ROUNDS) * f64::from(pair.statements) / karel / 1e6);
             ratios.push(lua / karel);
         }

@@ -1,7 +1,7 @@
 //! How many seconds of controller time pass in a second, idle and with a moving arm.
 
 use std::hint::black_box;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use anyhow::{Context as _, Result};
 use karel_emulator::{
@@ -10,6 +10,7 @@ use karel_emulator::{
 use kinematics::ArmModel;
 
 use crate::median;
+use crate::process::thread_time;
 
 const SERVER: &str = include_str!("../../../programs/sock_server.kl");
 
@@ -74,21 +75,21 @@ pub(crate) fn run(repeats: usize) -> Result<()> {
 async fn over_the_driver(program: &str, step: Duration, steps: u32) -> Result<f64> {
     let (clock, stepper) = Clock::stepped();
     let controller = VirtualController::start(&config(program)?, clock, PeerLabels::new())?;
-    let begin = Instant::now();
+    let begin = thread_time();
     for _ in 0..steps {
         let _now = stepper.advance(step).await?;
     }
-    let rate = (step * steps).as_secs_f64() / begin.elapsed().as_secs_f64();
+    let rate = (step * steps).as_secs_f64() / (thread_time() - begin).as_secs_f64();
     controller.shutdown().await;
     Ok(rate)
 }
 
 fn in_the_core(steps: u32) -> Result<f64> {
     let mut core = Controller::try_new(&config(SHUTTLE)?)?;
-    let begin = Instant::now();
+    let begin = thread_time();
     for step in 1..=steps {
         core.advance_fully(PERIOD * step);
         let _joints = black_box(core.joints_deg());
     }
-    Ok((PERIOD * steps).as_secs_f64() / begin.elapsed().as_secs_f64())
+    Ok((PERIOD * steps).as_secs_f64() / (thread_time() - begin).as_secs_f64())
 }

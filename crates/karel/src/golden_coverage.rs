@@ -57,8 +57,8 @@ named! { STATEMENTS, statement(StmtKind) {
     StmtKind::ConnectTimer(_) => "CONNECT TIMER"
     StmtKind::DisconnectTimer(_) => "DISCONNECT TIMER"
     StmtKind::WaitFor(_) => "WAIT FOR"
-    StmtKind::Move { form: MoveForm::To(_), via: Some(_), .. } => "MOVE TO VIA"
-    StmtKind::Move { form: MoveForm::To(_), until: Some(_), .. } => "MOVE TO UNTIL"
+    StmtKind::Move { via: Some(_), .. } => "MOVE VIA"
+    StmtKind::Move { until: Some(_), .. } => "MOVE UNTIL"
     StmtKind::Move { form: MoveForm::To(_), waits: Waits::No, .. } => "MOVE TO NOWAIT"
     StmtKind::Move { form: MoveForm::To(_), .. } => "MOVE TO"
     StmtKind::Move { form: MoveForm::Near { .. }, .. } => "MOVE NEAR"
@@ -105,8 +105,8 @@ named! { CONDITIONS, condition(Condition) {
     Condition::Signaled { what: Signaled::Semaphore, .. } => "SEMAPHORE"
     Condition::PowerUp => "POWERUP"
     Condition::Edge { .. } => "edge"
-    Condition::AtNode { node: None, .. } => "AT NODE[*]"
     Condition::AtNode { node: Some(_), .. } => "AT NODE[n]"
+    Condition::AtNode { node: None, .. } => "AT NODE[*]"
     Condition::NodeTime { side: NodeSide::Before, .. } => "TIME BEFORE NODE"
     Condition::NodeTime { side: NodeSide::After, .. } => "TIME AFTER NODE"
 } }
@@ -177,7 +177,6 @@ impl Seen {
         }
     }
 
-    #[expect(clippy::too_many_lines, reason = "one arm for each statement")]
     fn parts(&mut self, kind: &StmtKind) {
         match kind {
             StmtKind::Assign { target, value } => {
@@ -236,10 +235,14 @@ impl Seen {
                 until,
                 ..
             } => {
-                self.move_form(form);
-                via.iter().for_each(|via| self.expr(via));
+                self.form(form);
+                if let Some(via) = via {
+                    self.expr(via);
+                }
                 self.whens(whens);
-                until.iter().for_each(|until| self.conditions(until));
+                if let Some(until) = until {
+                    self.conditions(until);
+                }
             }
             StmtKind::Condition { whens, .. } => self.whens(whens),
             StmtKind::Delay(value)
@@ -264,23 +267,22 @@ impl Seen {
         }
     }
 
-    fn move_form(&mut self, form: &MoveForm) {
+    fn form(&mut self, form: &MoveForm) {
         match form {
-            MoveForm::To(of) | MoveForm::Relative(of) | MoveForm::Away(of) => self.expr(of),
-            MoveForm::Near {
-                target: of,
-                distance: by,
+            MoveForm::To(target) | MoveForm::Relative(target) | MoveForm::Away(target) => {
+                self.expr(target);
             }
-            | MoveForm::Axis {
-                axis: of,
-                distance: by,
+            MoveForm::Near { target, distance } => {
+                self.expr(target);
+                self.expr(distance);
             }
-            | MoveForm::About {
-                vector: of,
-                angle: by,
-            } => {
-                self.expr(of);
-                self.expr(by);
+            MoveForm::Axis { axis, distance } => {
+                self.expr(axis);
+                self.expr(distance);
+            }
+            MoveForm::About { vector, angle } => {
+                self.expr(vector);
+                self.expr(angle);
             }
             MoveForm::Along(path) => self.path(path),
         }

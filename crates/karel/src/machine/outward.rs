@@ -143,6 +143,13 @@ impl Exec<'_> {
         Ok(Flow::Next)
     }
 
+    /// A program that pauses, continues or ends another sees that in its own conditions, too.
+    pub(super) fn hear_own_deeds(&mut self) {
+        for signal in self.others.take_deeds() {
+            self.task.signal(signal);
+        }
+    }
+
     /// The variable whose names are on the stack.
     fn by_name(&mut self, row: u32) -> Result<Flow, Fault> {
         let (variable, home) = (self.pop_text(), self.pop_text());
@@ -171,13 +178,6 @@ impl Exec<'_> {
         };
         self.push(Cell::Address(found.at.with_extra(extra)));
         Ok(Flow::Next)
-    }
-
-    /// A program that pauses, continues or ends another sees that in its own conditions, too.
-    pub(super) fn hear_own_deeds(&mut self) {
-        for signal in self.others.take_deeds() {
-            self.task.signal(signal);
-        }
     }
 
     /// If the instruction is a pause that was begun: whether it goes on waiting.
