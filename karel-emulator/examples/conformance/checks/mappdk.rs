@@ -8,15 +8,12 @@ use serde_json::{Value, json};
 use super::fanucpy::{Fanucpy, Outcome};
 use super::rig::{Files, Found, Rig};
 use super::table::Table;
+use super::{mappdk_ports, mappdk_wire};
 
 pub(crate) const SERVER: u16 = 18_735;
 pub(crate) const LOGGER: u16 = 18_736;
-const PORTS: [u16; 2] = [SERVER, LOGGER];
-const GREETING: &str = "0:success";
-
-/// The width of numbers before March 2023, which the server of today cannot read.
-const OLD_WIDTH: &str = "movej:0025:0100:000:0:6:+0000000019.000000:+0000000066.000000:-0000000033.000000:\
-     +0000000018.000000:-0000000030.000000:-0000000033.000000\n";
+pub(super) const PORTS: [u16; 2] = [SERVER, LOGGER];
+pub(super) const GREETING: &str = "0:success";
 
 /// Whose programs run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,20 +29,20 @@ pub(crate) async fn observe(files: &Files, whose: Programs, python: &Path) -> Re
     let mut fanucpy = Fanucpy::start(python)?;
     reading(files, &mut fanucpy, &mut table).await?;
     moving(files, &mut fanucpy, &mut table).await?;
-    ports(files, whose, &mut fanucpy, &mut table).await?;
+    mappdk_ports::ports(files, whose, &mut fanucpy, &mut table).await?;
     stopping(files, &mut fanucpy, &mut table).await?;
-    wire(files, &mut table).await?;
-    wrong_width(files, whose, &mut table).await?;
-    frames(files, whose, &mut table).await?;
+    mappdk_wire::wire(files, &mut table).await?;
+    mappdk_wire::wrong_width(files, whose, &mut table).await?;
+    mappdk_wire::frames(files, whose, &mut table).await?;
     Ok(table)
 }
 
-async fn start(files: &Files) -> Result<Rig> {
+pub(super) async fn start(files: &Files) -> Result<Rig> {
     Rig::start(&files.controller(&["MAPPDK"], &PORTS)?).await
 }
 
 /// A client that is connected to the server and to the logger, as `robot` and `logger`.
-async fn connected(rig: &Rig, fanucpy: &mut Fanucpy) -> Result<Outcome> {
+pub(super) async fn connected(rig: &Rig, fanucpy: &mut Fanucpy) -> Result<Outcome> {
     let server = rig.port(SERVER).await?;
     fanucpy.robot(rig, "robot", server, 30.0).await?;
     fanucpy.call(rig, "robot", "connect", json!({})).await
@@ -273,196 +270,6 @@ async fn too_far(rig: &Rig, fanucpy: &mut Fanucpy, table: &mut Table) -> Result<
     Ok(())
 }
 
-async fn ports(
-    files: &Files,
-    whose: Programs,
-    fanucpy: &mut Fanucpy,
-    table: &mut Table,
-) -> Result<()> {
-    let rig = start(files).await?;
-    let _greeting = connected(&rig, fanucpy).await?;
-    for (what, method, arguments, expected) in [
-        ("get_rdo(3)", "get_rdo", json!({ "rdo_num": 3 }), json!(0)),
-        (
-            "set_rdo(3, True)",
-            "set_rdo",
-            json!({ "rdo_num": 3, "val": true }),
-            json!([0, "success"]),
-        ),
-        ("get_rdo(3)", "get_rdo", json!({ "rdo_num": 3 }), json!(1)),
-        (
-            "gripper(True), RDO[7]",
-            "gripper",
-            json!({ "value": true }),
-            json!([0, "success"]),
-        ),
-        ("get_rdo(7)", "get_rdo", json!({ "rdo_num": 7 }), json!(1)),
-        (
-            "get_dout(17)",
-            "get_dout",
-            json!({ "dout_num": 17 }),
-            json!(0),
-        ),
-        (
-            "set_dout(17, True)",
-            "set_dout",
-            json!({ "dout_num": 17, "val": true }),
-            json!([0, "success"]),
-        ),
-        (
-            "get_dout(17)",
-            "get_dout",
-            json!({ "dout_num": 17 }),
-            json!(1),
-        ),
-        (
-            "set_dout(17, False)",
-            "set_dout",
-            json!({ "dout_num": 17, "val": false }),
-            json!([0, "success"]),
-        ),
-        (
-            "get_dout(17)",
-            "get_dout",
-            json!({ "dout_num": 17 }),
-            json!(0),
-        ),
-        (
-            "set_sys_var('$DMAURST', True)",
-            "set_sys_var",
-            json!({ "sys_var": "$DMAURST", "val": true }),
-            json!([0, "success"]),
-        ),
-    ] {
-        let seen = fanucpy.call(&rig, "robot", method, arguments).await?;
-        table.same("T2.4", what, returned(expected), seen);
-    }
-    let set = rig.variable("$DMAURST").await?;
-    table.same("T2.4", "$DMAURST", "true", &set);
-    let arguments = json!({ "prog_name": CALLED });
-    let called = fanucpy.call(&rig, "robot", "call_prog", arguments).await?;
-    table.same("T2.4", "call_prog() of a TP program", success(), called);
-    let register = rig.register("R[5]").await?;
-    table.same("T2.4", "R[5], which it sets", "42", &register);
-    let wrong = command(&rig, fanucpy, "setrdo:3:maybe").await?;
-    table.same("T2.4", "'setrdo:3:maybe'", raises("wrong-rdo-value"), wrong);
-    let wrong = command(&rig, fanucpy, "setdout:00003:maybe").await?;
-    table.same(
-        "T2.4",
-        "'setdout:00003:maybe'",
-        raises("wrong-dout-value"),
-        wrong,
-    );
-    let wrong = command(&rig, fanucpy, "setsysvar:$DMAURST:X").await?;
-    table.same(
-        "T2.4",
-        "'setsysvar:$DMAURST:X'",
-        raises("wrong-sys_var-value"),
-        wrong,
-    );
-
-    let arguments = json!({ "rdo_num": 1, "val": true });
-    let set = fanucpy.call(&rig, "robot", "set_rdo", arguments).await?;
-    table.same("T2.4", "set_rdo(1, True)", success(), set);
-    let arguments = json!({ "rdo_num": 10 });
-    let seen = fanucpy.call(&rig, "robot", "get_rdo", arguments).await?;
-    // One digit is all that their server reads of the number.
-    let (what, expected) = match whose {
-        Programs::Theirs => ("get_rdo(10), which is RDO[1]", returned(json!(1))),
-        Programs::Ours => ("get_rdo(10)", raises("wrong-rdo-value")),
-    };
-    table.same("T2.4", what, expected, seen);
-    rig.stop().await;
-    grippers(files, fanucpy, table).await?;
-    beyond(files, whose, fanucpy, table).await
-}
-
-/// A gripper on a digital output, and those that the client refuses.
-async fn grippers(files: &Files, fanucpy: &mut Fanucpy, table: &mut Table) -> Result<()> {
-    let rig = start(files).await?;
-    let server = rig.port(SERVER).await?;
-    let refused = |text: &str| Outcome::Raised(format!("ValueError: {text}"));
-    for (what, gripper, expected) in [
-        ("gripper(True), DOUT[12]", (Some("DO"), Some(12)), success()),
-        (
-            "gripper(True), type XY",
-            (Some("XY"), Some(1)),
-            refused("Wrong DO type!"),
-        ),
-        (
-            "gripper(True), none",
-            (None, None),
-            refused("DO type or number is None!"),
-        ),
-    ] {
-        fanucpy
-            .robot_with(&rig, "gripper", server, (30.0, gripper))
-            .await?;
-        let _greeting = fanucpy.call(&rig, "gripper", "connect", json!({})).await?;
-        let arguments = json!({ "value": true });
-        let seen = fanucpy.call(&rig, "gripper", "gripper", arguments).await?;
-        table.same("T2.4", what, expected, seen);
-        let _gone = fanucpy
-            .call(&rig, "gripper", "disconnect", json!({}))
-            .await?;
-    }
-    let state = rig.state().await?;
-    let on: Vec<String> = state.ports.iter().map(|port| port.port.clone()).collect();
-    table.same("T2.4", "outputs that are on", "DOUT[12]", &on.join(" "));
-    let arguments = json!({ "resp": "7:x" });
-    let seen = fanucpy
-        .call(&rig, "gripper", "handle_response", arguments)
-        .await?;
-    let expected =
-        Outcome::Raised("FanucError: Unknown response code: 7 and message: x".to_owned());
-    table.same("T2.4", "handle_response('7:x')", expected, seen);
-    rig.stop().await;
-    Ok(())
-}
-
-/// Ports and programs that the controller does not have.
-async fn beyond(
-    files: &Files,
-    whose: Programs,
-    fanucpy: &mut Fanucpy,
-    table: &mut Table,
-) -> Result<()> {
-    for (what, method, arguments, theirs, ours) in [
-        (
-            "get_dout(20000), beyond the hardware",
-            "get_dout",
-            json!({ "dout_num": 20_000 }),
-            "aborted: PRIO-002 (MAPPDK_SERVER, 501)",
-            "wrong-dout-value",
-        ),
-        (
-            "call_prog('NOTHING')",
-            "call_prog",
-            json!({ "prog_name": "NOTHING" }),
-            "aborted: ",
-            "no-such-program",
-        ),
-    ] {
-        let rig = start(files).await?;
-        let server = rig.port(SERVER).await?;
-        fanucpy.robot(&rig, "patient", server, 0.7).await?;
-        let _greeting = fanucpy.call(&rig, "patient", "connect", json!({})).await?;
-        let answer = fanucpy.call(&rig, "patient", method, arguments).await?;
-        match whose {
-            Programs::Ours => table.same("T2.4", what, raises(ours), answer),
-            Programs::Theirs => {
-                let expected = Outcome::Raised("TimeoutError: timed out".to_owned());
-                table.same("T2.4", what, expected, answer);
-                let task = rig.task("MAPPDK_SERVER").await?;
-                let aborted = task.starts_with(theirs);
-                table.put("T2.4", "the server afterwards", theirs, task, aborted);
-            }
-        }
-        rig.stop().await;
-    }
-    Ok(())
-}
-
 /// An emergency stop while the client waits for the end of a motion.
 async fn stopping(files: &Files, fanucpy: &mut Fanucpy, table: &mut Table) -> Result<()> {
     let rig = start(files).await?;
@@ -519,146 +326,6 @@ async fn stopping(files: &Files, fanucpy: &mut Fanucpy, table: &mut Table) -> Re
     Ok(())
 }
 
-/// The bytes, which fanucpy takes apart.
-async fn wire(files: &Files, table: &mut Table) -> Result<()> {
-    let rig = start(files).await?;
-    let mut client = rig.connect(SERVER).await?;
-    let greeting = client.next(5.0).await?.text();
-    table.same("T2.1", "bytes of the greeting", GREETING, &greeting);
-    let pose = client.ask("curpos\n").await?;
-    let expected = "0:x= 985.000,y=    .000,z= 940.000,w= 180.000,p=";
-    table.put(
-        "T2.2",
-        "bytes of curpos, at home",
-        format!("{expected}.."),
-        &pose,
-        starts(&pose, expected),
-    );
-    let joints = client.ask("curjpos\n").await?;
-    let absent = joints.matches("j=none").count();
-    table.same(
-        "T2.2",
-        "bytes of curjpos: axes, and those that are none",
-        "9, 3",
-        &format!("{}, {absent}", joints.matches("j=").count()),
-    );
-    // Dispatch is by prefix.
-    let prefix = client.ask("curposxyz\n").await?;
-    table.same("T2.5", "'curposxyz'", &pose, &prefix);
-    for split in ["cu", "rp", "os", "\r"] {
-        client.send(split.as_bytes()).await?;
-        rig.pass(0.05).await?;
-    }
-    let answer = client.ask("\n").await?;
-    table.same("T2.5", "'curpos' in pieces, with CR LF", &pose, &answer);
-    let answer = client.ask("exit\n").await?;
-    table.same("T2.8", "'exit'", GREETING, &answer);
-    // The server reads once more before it closes, and waits for nothing.
-    let end = client.next(5.0).await?.text();
-    table.same("T2.8", "after 'exit'", Found::End.text(), end);
-    for what in ["a client after 'exit'", "a client after one that vanished"] {
-        let mut client = rig.connect(SERVER).await?;
-        let greeting = client.next(5.0).await?.text();
-        table.same("T2.8", what, GREETING, &greeting);
-    }
-    rig.stop().await;
-    Ok(())
-}
-
-async fn wrong_width(files: &Files, whose: Programs, table: &mut Table) -> Result<()> {
-    let rig = start(files).await?;
-    let mut client = rig.connect(SERVER).await?;
-    let _greeting = client.next(5.0).await?;
-    client.send(OLD_WIDTH.as_bytes()).await?;
-    let found = client.next(20.0).await?;
-    let what = "movej with numbers of 18 characters";
-    match whose {
-        Programs::Ours => table.same("T2.6", what, "1:error-in-joint-values", &found.text()),
-        Programs::Theirs => {
-            table.same("T2.6", what, Found::Silence.text(), found.text());
-            let expected = "INTP-311 (MAPPDK_SERVER, 204)";
-            let task = rig.task("MAPPDK_SERVER").await?;
-            table.put(
-                "T2.6",
-                "the server afterwards",
-                expected,
-                &task,
-                task.contains(expected),
-            );
-            let alarm = rig.had_alarm("INTP-311").await?;
-            table.same("T2.6", "INTP-311 among the alarms", true, alarm);
-            rig.with(|core| core.run_program("MAPPDK_SERVER")).await??;
-            rig.pass(0.1).await?;
-            let end = client.next(5.0).await?.text();
-            table.same(
-                "T2.6",
-                "the program is started again: the old client",
-                Found::End.text(),
-                end,
-            );
-            let greeting = rig.connect(SERVER).await?.next(5.0).await?.text();
-            table.same("T2.6", "a new client", GREETING, &greeting);
-        }
-    }
-    rig.stop().await;
-    Ok(())
-}
-
-/// The frame's number does not fit into a `STRING[1]` with its blank, so it is never taken over.
-async fn frames(files: &Files, whose: Programs, table: &mut Table) -> Result<()> {
-    let mut variants = vec![(
-        "the frame of $MNUFRAME[1,8]",
-        files.clone(),
-        whose == Programs::Ours,
-    )];
-    if whose == Programs::Theirs {
-        let mut mended = files.clone();
-        for program in &mut mended.programs {
-            let text = String::from_utf8_lossy(&program.text).replace("STRING[1]", "STRING[2]");
-            program.text = text.into_bytes();
-        }
-        variants.push(("with STRING[2] instead of STRING[1]", mended, true));
-    }
-    for (what, files, taken) in variants {
-        let mut config = files.controller(&["MAPPDK"], &PORTS)?;
-        let preset = |item: &str, value: &str| (item.to_owned(), value.to_owned());
-        config.presets = vec![
-            preset("$MNUFRAME[1,8].x", "100"),
-            preset("$MNUTOOL[1,8].z", "50"),
-        ];
-        let rig = Rig::start(&config).await?;
-        let number = rig.variable("$MNUFRAMENUM[1]").await?;
-        table.same("T2.7", "$MNUFRAMENUM[1]", "8", &number);
-        let x = rig.variable("$GROUP[1].$UFRAME.x").await?;
-        let z = rig.variable("$GROUP[1].$UTOOL.z").await?;
-        let expected = if taken { "100, 50" } else { "0, 0" };
-        table.same(
-            "T2.7",
-            &format!("$UFRAME.x, $UTOOL.z: {what}"),
-            expected,
-            &format!("{x}, {z}"),
-        );
-        let mut client = rig.connect(SERVER).await?;
-        let _greeting = client.next(5.0).await?;
-        let pose = client.ask("curpos\n").await?;
-        // The tool looks down at home.
-        let expected = if taken {
-            "0:x= 885.000,y=    .000,z= 890.000,"
-        } else {
-            "0:x= 985.000,y=    .000,z= 940.000,"
-        };
-        table.put(
-            "T2.7",
-            "curpos then",
-            format!("{expected}.."),
-            &pose,
-            starts(&pose, expected),
-        );
-        rig.stop().await;
-    }
-    Ok(())
-}
-
 /// A TP program for `call_prog`.
 pub(crate) const CALLED: &str = "CONF_CALLED";
 const CALLED_TEXT: &str = "/PROG  CONF_CALLED
@@ -676,20 +343,20 @@ pub(crate) fn with_called(mut files: Files) -> Files {
     files
 }
 
-async fn command(rig: &Rig, fanucpy: &mut Fanucpy, text: &str) -> Result<Outcome> {
+pub(super) async fn command(rig: &Rig, fanucpy: &mut Fanucpy, text: &str) -> Result<Outcome> {
     let arguments = json!({ "cmd": text });
     fanucpy.call(rig, "robot", "send_cmd", arguments).await
 }
 
-fn success() -> Outcome {
+pub(super) fn success() -> Outcome {
     returned(json!([0, "success"]))
 }
 
-fn returned(value: Value) -> Outcome {
+pub(super) fn returned(value: Value) -> Outcome {
     Outcome::Returned(value)
 }
 
-fn raises(text: &str) -> Outcome {
+pub(super) fn raises(text: &str) -> Outcome {
     Outcome::Raised(format!("FanucError: {text}"))
 }
 
@@ -722,6 +389,6 @@ fn in_row(values: &[f64]) -> String {
     texts.join(" ")
 }
 
-fn starts(text: &str, start: &str) -> bool {
+pub(super) fn starts(text: &str, start: &str) -> bool {
     text.starts_with(start)
 }

@@ -1,110 +1,19 @@
 //! T3: the driver of ROS-Industrial, called by a client of `simple_message`.
 
 use anyhow::{Context as _, Result, bail};
-use karel_emulator::ControllerConfig;
 
 use super::rig::{Client, Files, Found, Rig};
+use super::ros_setup;
+use super::simple_message::{JOINT_POSITION, Message, REPLY_FAILURE, REPLY_SUCCESS, STATUS, hex};
 use super::table::Table;
 
 const MOTION: u16 = 11_000;
-const STATE: u16 = 11_002;
-const PORTS: [u16; 2] = [MOTION, STATE];
-
-const JOINT_POSITION: i32 = 10;
-const JOINT_TRAJ_PT: i32 = 11;
-const STATUS: i32 = 13;
-const REPLY_SUCCESS: i32 = 1;
-const REPLY_FAILURE: i32 = 2;
-
-/// A message of `simple_message`: big endian, 4 bytes a field.
-#[derive(Debug, Clone, PartialEq)]
-struct Message {
-    kind: i32,
-    communication: i32,
-    reply: i32,
-    /// The fields behind the header.
-    body: Vec<[u8; 4]>,
-}
-
-impl Message {
-    fn point(sequence: i32, joints_deg: [f32; 6]) -> Self {
-        let joints = joints_deg.iter().map(|deg| deg.to_radians());
-        let joints = joints.chain([0.0; 4]).map(f32::to_be_bytes);
-        let velocity_and_duration = [0.1_f32.to_be_bytes(), 1.0_f32.to_be_bytes()];
-        Self {
-            kind: JOINT_TRAJ_PT,
-            communication: 2,
-            reply: 0,
-            body: [sequence.to_be_bytes()]
-                .into_iter()
-                .chain(joints)
-                .chain(velocity_and_duration)
-                .collect(),
-        }
-    }
-
-    fn bytes(&self) -> Vec<u8> {
-        let length = 12 + 4 * i32::try_from(self.body.len()).unwrap_or(i32::MAX);
-        let header = [length, self.kind, self.communication, self.reply].map(i32::to_be_bytes);
-        header.iter().chain(&self.body).flatten().copied().collect()
-    }
-
-    /// Takes one message off the front, if there is a whole one.
-    fn take(bytes: &mut Vec<u8>) -> Result<Option<Self>> {
-        let Some(length) = bytes.first_chunk::<4>() else {
-            return Ok(None);
-        };
-        let length = i32::from_be_bytes(*length);
-        let length = usize::try_from(length)
-            .ok()
-            .filter(|l| (12..=64).contains(l));
-        let Some(length) = length.filter(|length| length % 4 == 0) else {
-            bail!("a message of {length:?} bytes: the stream has gaps");
-        };
-        if bytes.len() < length + 4 {
-            return Ok(None);
-        }
-        let message: Vec<u8> = bytes.drain(..length + 4).collect();
-        let fields: Vec<[u8; 4]> = message
-            .chunks_exact(4)
-            .filter_map(|chunk| chunk.first_chunk::<4>().copied())
-            .collect();
-        let header = |at: usize| fields.get(at).copied().map_or(-1, i32::from_be_bytes);
-        Ok(Some(Self {
-            kind: header(1),
-            communication: header(2),
-            reply: header(3),
-            body: fields.get(4..).unwrap_or_default().to_vec(),
-        }))
-    }
-
-    fn integer(&self, at: usize) -> i32 {
-        self.body.get(at).copied().map_or(-1, i32::from_be_bytes)
-    }
-
-    fn reals(&self) -> Vec<f32> {
-        let fields = self.body.iter().skip(1);
-        fields.map(|field| f32::from_be_bytes(*field)).collect()
-    }
-
-    /// Type, communication, reply and sequence number.
-    fn head(&self) -> String {
-        let Self {
-            kind,
-            communication,
-            reply,
-            ..
-        } = self;
-        format!(
-            "type {kind}, comm {communication}, reply {reply}, seq {}",
-            self.integer(0)
-        )
-    }
-}
+pub(super) const STATE: u16 = 11_002;
+pub(super) const PORTS: [u16; 2] = [MOTION, STATE];
 
 pub(crate) async fn observe(files: &Files) -> Result<Table> {
     let mut table = Table::default();
-    let rig = first_run(files, &mut table).await?;
+    let rig = ros_setup::first_run(files, &mut table).await?;
     idle(&rig, &mut table).await?;
     state_stream(&rig, &mut table).await?;
     trajectory(&rig, &mut table).await?;
@@ -113,60 +22,11 @@ pub(crate) async fn observe(files: &Files) -> Result<Table> {
     status(&rig, &mut table).await?;
     abort(&rig, &mut table).await?;
     rig.stop().await;
-    tag_not_started(files, &mut table).await?;
-    slower_loop(files, &mut table).await?;
-    entered_before(files, &mut table).await?;
-    little_endian(files, &mut table).await?;
+    ros_setup::tag_not_started(files, &mut table).await?;
+    ros_setup::slower_loop(files, &mut table).await?;
+    ros_setup::entered_before(files, &mut table).await?;
+    ros_setup::little_endian(files, &mut table).await?;
     Ok(table)
-}
-
-/// The programs stop until somebody has looked at their configuration.
-async fn first_run(files: &Files, table: &mut Table) -> Result<Rig> {
-    let rig = Rig::start(&files.controller(&["ROS"], &PORTS)?).await?;
-    rig.pass(1.0).await?;
-    let alarms = rig.alarms().await?;
-    let count = alarms.iter().filter(|a| a.starts_with("FILE-032")).count();
-    table.put(
-        "T3.1",
-        "first run: FILE-032 among the alarms",
-        "yes",
-        count,
-        count > 0,
-    );
-    let state = rig.state().await?;
-    let alive = state.tasks.iter().filter(|task| {
-        use karel_emulator::state::TaskWord::{Running, Waiting};
-        matches!(task.state, Running | Waiting) && task.name.starts_with("ROS_")
-    });
-    table.same("T3.1", "first run: servers that go on", 0, alive.count());
-    for program in ["ROS_STATE", "ROS_RELAY"] {
-        rig.set(&format!("[{program}]CFG_.CHECKED"), "true").await?;
-    }
-    rig.controller.reset().await?;
-    // A program that FILE-032 stopped before its first line has no defaults yet: its second run writes them.
-    for _ in 0..2 {
-        for program in ["ROS_STATE", "ROS_RELAY", "ROS"] {
-            // It may be over.
-            let _aborted = rig.with(move |core| core.abort_task(program)).await?;
-        }
-        rig.controller.reset().await?;
-        rig.with(|core| core.run_program("ROS")).await??;
-        rig.pass(1.0).await?;
-        for program in ["ROS_STATE", "ROS_RELAY"] {
-            rig.set(&format!("[{program}]CFG_.CHECKED"), "true").await?;
-        }
-        if rig.screen_has("RREL Waiting for ROS traj relay").await? {
-            break;
-        }
-    }
-    for line in [
-        "RSTA Waiting for ROS state proxy",
-        "RREL Waiting for ROS traj relay",
-    ] {
-        let has = rig.screen_has(line).await?;
-        table.same("T3.1", &format!("'{line}' in the log"), true, has);
-    }
-    Ok(rig)
 }
 
 /// The task dump of a controller that waits, from a user's report.
@@ -259,7 +119,7 @@ async fn cadence(rig: &Rig, client: &mut Client<'_>, table: &mut Table) -> Resul
 }
 
 /// Ten seconds of the stream: joint positions a second, and all messages.
-async fn ten_seconds(rig: &Rig, client: &mut Client<'_>) -> Result<(f64, Vec<Message>)> {
+pub(super) async fn ten_seconds(rig: &Rig, client: &mut Client<'_>) -> Result<(f64, Vec<Message>)> {
     let mut bytes = Vec::new();
     // What is on its way is old.
     while let Found::Bytes(old) = client.next(0.0).await? {
@@ -527,102 +387,6 @@ async fn abort(rig: &Rig, table: &mut Table) -> Result<()> {
     Ok(())
 }
 
-async fn tag_not_started(files: &Files, table: &mut Table) -> Result<()> {
-    let mut config = state_server(files, "42")?;
-    let preset = ("$HOSTS_CFG[3].$STATE".to_owned(), "2".to_owned());
-    config.presets.push(preset);
-    let rig = Rig::start(&config).await?;
-    rig.pass(1.0).await?;
-    let posted = rig.had_alarm("HOST-144").await?;
-    table.same(
-        "T3.2",
-        "tag S3 not started: HOST-144 among the alarms",
-        true,
-        posted,
-    );
-    let logged = rig.screen_has("cfg err, TAG idx:").await?;
-    table.same("T3.2", "'cfg err, TAG idx:' in the log", true, logged);
-    rig.stop().await;
-    Ok(())
-}
-
-/// A pause of 25 ms is one of 32 ms on a controller of 8 ms: why the driver's authors chose 42 Hz.
-async fn slower_loop(files: &Files, table: &mut Table) -> Result<()> {
-    let rig = Rig::start(&state_server(files, "40")?).await?;
-    let mut client = rig.connect(STATE).await?;
-    let _first = next(&mut client, &mut Vec::new()).await?;
-    let (rate, _) = ten_seconds(&rig, &mut client).await?;
-    let what = "JOINT_POSITION a second with LOOP_HZ = 40";
-    let good = (30.5..32.0).contains(&rate);
-    table.put(
-        "T3.3",
-        what,
-        "31.25, each 32 ms",
-        format!("{rate:.2}"),
-        good,
-    );
-    rig.stop().await;
-    Ok(())
-}
-
-/// What an operator enters before the first run.
-const OPERATOR: &str = include_str!("../../drivers/ros_industrial.set");
-
-/// What the file sets, for one program or for all.
-fn entered(program: &str) -> Vec<(String, String)> {
-    let lines = OPERATOR.lines().filter(|line| line.contains(program));
-    let pairs = lines.filter_map(|line| line.split_once('='));
-    pairs
-        .filter(|(item, _)| item.starts_with('['))
-        .map(|(item, value)| (item.to_owned(), value.to_owned()))
-        .collect()
-}
-
-/// Only the state server, as somebody has configured and checked it.
-fn state_server(files: &Files, loop_hz: &str) -> Result<ControllerConfig> {
-    let mut config = files.controller(&["ROS_STATE"], &PORTS)?;
-    config.presets = entered("[ROS_STATE]");
-    let rate = ("[ROS_STATE]CFG_.LOOP_HZ".to_owned(), loop_hz.to_owned());
-    config.presets.push(rate);
-    Ok(config)
-}
-
-/// The order of bytes of the vendor's simulator.
-async fn little_endian(files: &Files, table: &mut Table) -> Result<()> {
-    let mut config = state_server(files, "42")?;
-    config.byte_order = karel::ByteOrder::Little;
-    let rig = Rig::start(&config).await?;
-    let mut client = rig.connect(STATE).await?;
-    let Found::Bytes(bytes) = client.next(5.0).await? else {
-        bail!("there is no message");
-    };
-    let expected = "38000000 0a000000 01000000 00000000 00000000";
-    table.same(
-        "T3.3",
-        "the first message, little endian",
-        expected,
-        &hex(&bytes, 20),
-    );
-    rig.stop().await;
-    Ok(())
-}
-
-/// The command line of the documentation: everything is entered before the first statement.
-async fn entered_before(files: &Files, table: &mut Table) -> Result<()> {
-    let mut config = files.controller(&["ROS"], &PORTS)?;
-    config.presets = entered("CFG_");
-    let rig = Rig::start(&config).await?;
-    rig.pass(1.0).await?;
-    let relay = rig.screen_has("RREL Waiting for ROS traj relay").await?;
-    let state = rig.screen_has("RSTA Waiting for ROS state proxy").await?;
-    let what = "first run with CHECKED entered before: both wait";
-    table.same("T3.1", what, true, relay && state);
-    let alarms = rig.alarms().await?.len();
-    table.same("T3.1", "alarms then", 0, alarms);
-    rig.stop().await;
-    Ok(())
-}
-
 /// The next STATUS that was made from now on.
 async fn status_now(rig: &Rig, client: &mut Client<'_>, bytes: &mut Vec<u8>) -> Result<Message> {
     rig.pass(1.0).await?;
@@ -654,7 +418,7 @@ fn told(status: &Message) -> String {
     )
 }
 
-async fn next(client: &mut Client<'_>, bytes: &mut Vec<u8>) -> Result<Message> {
+pub(super) async fn next(client: &mut Client<'_>, bytes: &mut Vec<u8>) -> Result<Message> {
     loop {
         if let Some(message) = Message::take(bytes)? {
             return Ok(message);
@@ -674,13 +438,4 @@ fn near_all(joints: &[f64; 6], target: [f32; 6]) -> bool {
 fn in_row(values: &[f64]) -> String {
     let texts: Vec<String> = values.iter().map(|value| format!("{value:.3}")).collect();
     texts.join(" ")
-}
-
-fn hex(bytes: &[u8], count: usize) -> String {
-    let fields = bytes.get(..count).unwrap_or(bytes).chunks(4);
-    let fields: Vec<String> = fields
-        .filter_map(|field| field.first_chunk::<4>())
-        .map(|field| format!("{:08x}", u32::from_be_bytes(*field)))
-        .collect();
-    fields.join(" ")
 }
