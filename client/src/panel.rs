@@ -132,10 +132,24 @@ pub enum LedgerEvent {
     Started,
     /// The arm arrived.
     Finished,
+    /// It went around the corner there without standing still; the next motion has taken over.
+    Passed,
     /// The controller refused it with an alarm.
     Refused,
     /// It was stopped on its way.
     Cancelled,
+    /// The arm stands still on its way, and the motion waits.
+    Held,
+    /// The motion that was held goes on.
+    Resumed,
+    /// The gripper closed on a part.
+    Gripped,
+    /// The gripper let a part go.
+    Released,
+    /// The part fell out of the gripper.
+    Lost,
+    /// A person moved the arm with the pendant.
+    Jogged,
 }
 
 /// One line of the controller's ledger: what it did, whatever it answered.

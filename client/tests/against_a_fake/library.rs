@@ -286,6 +286,27 @@ async fn the_panel_of_a_virtual_controller_is_read() {
     assert!(fake.lines().contains(&"GET /ledger?after=0".to_owned()));
 }
 
+/// What `karel-emulator` writes; an unknown word would make the whole ledger unreadable.
+#[test]
+fn every_event_of_a_virtual_controllers_ledger_is_known() {
+    for word in [
+        "started",
+        "finished",
+        "passed",
+        "refused",
+        "cancelled",
+        "held",
+        "resumed",
+        "gripped",
+        "released",
+        "lost",
+        "jogged",
+    ] {
+        let event: Result<LedgerEvent, _> = serde_json::from_value(serde_json::json!(word));
+        assert_eq!(serde_json::to_value(event.unwrap()).unwrap(), word);
+    }
+}
+
 #[tokio::test]
 async fn a_problem_of_a_newer_server_is_still_told() {
     let body = r#"{"title": "New", "status": 409, "detail": "a new kind of no", "code": "new", "outcome": "NOT_SENT"}"#;
