@@ -303,12 +303,7 @@ impl Hardware {
     /// enough to see a motion in a client's diagram, and no measurement.
     fn power_kw(&self) -> f32 {
         const PERIOD: std::time::Duration = std::time::Duration::from_millis(1);
-        let Operator {
-            emergency_stop,
-            servo_off,
-            ..
-        } = self.operator;
-        if emergency_stop || servo_off {
+        if !self.drives_powered() {
             return 0.1;
         }
         let now = self.executor.joints(self.now).degrees();
