@@ -5,6 +5,11 @@
 //! listing, with `!-->` as a remark) are the script, done one after the other: `load FILE` (of `more`, before the start), `advance MS`,
 //! `set ITEM=VALUE`, `connect TAG`, `send TEXT` (`\n`, `\r`), `close`, `operate JSON`, `fault JSON`. `UPDATE_GOLDEN=1` rewrites.
 
+#![expect(
+    clippy::unwrap_used,
+    reason = "helpers of tests, where a failure is a failed test"
+)]
+
 use std::fmt::Write as _;
 use std::fs;
 use std::net::SocketAddr;
