@@ -75,8 +75,8 @@ impl State {
     pub(crate) fn after(self, dt: f64, jerk: f64) -> State {
         let (v, a) = (self.velocity, self.acceleration);
         State {
-            position: self.position + dt * (v + dt * (a / 2.0 + dt * jerk / 6.0)),
-            velocity: v + dt * (a + dt * jerk / 2.0),
+            position: self.position + dt * (v + dt * (0.5 * a + dt * jerk * (1.0 / 6.0))),
+            velocity: v + dt * (a + 0.5 * dt * jerk),
             acceleration: a + dt * jerk,
         }
     }

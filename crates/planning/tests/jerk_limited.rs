@@ -304,3 +304,42 @@ fn six_joints_arrive_together_as_fast_as_with_rsruckig() {
     }
     assert!(compared > 950, "{compared}");
 }
+
+#[test]
+fn from_rest_to_rest_it_is_as_fast_as_rsruckig_for_any_limits() {
+    let mut cases = Cases(Pcg64Mcg::seed_from_u64(3));
+    for case in 0..2000 {
+        let (start, goal, limits) = cases.joints::<3>();
+        let start = start.map(|state| State::at_rest(state.position));
+        let mut goal = goal.map(|state| State::at_rest(state.position));
+        if case % 3 == 0 {
+            // One joint has nothing to do.
+            goal[1] = start[1];
+        }
+        let ours = JointMove::try_new(&start, &goal, &limits).unwrap();
+        keeps_its_promises(&ours, &start, &goal, &limits);
+        let theirs = theirs(&start, &goal, &limits).unwrap();
+        let (a, b) = (ours.duration(), theirs.get_duration());
+        assert!(
+            (a - b).abs() < 1e-9 * (1.0 + b),
+            "case {case}: {a} s, rsruckig {b} s"
+        );
+        let slowest = ours.slowest();
+        for part in 1..10 {
+            let t = b * f64::from(part) / 10.0;
+            let difference = ours.at(t)[slowest].position - their_position(&theirs, slowest, t);
+            assert!(
+                difference.abs() < 1e-7,
+                "case {case} at {t} s: {difference}"
+            );
+        }
+        // A joint that waits never turns back.
+        for (joint, (start, goal)) in start.iter().zip(&goal).enumerate() {
+            let sign = (goal.position - start.position).signum();
+            for part in 0..=20 {
+                let now = ours.at(a * f64::from(part) / 20.0)[joint];
+                assert!(now.velocity * sign >= -1e-9, "case {case}: {now:?}");
+            }
+        }
+    }
+}

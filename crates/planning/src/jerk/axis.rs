@@ -14,6 +14,8 @@ pub(super) struct Axis {
     /// Positions closer than this are the same.
     slack: f64,
     edges: Edges,
+    /// From rest to rest: both sides are the same, and every duration from the shortest is possible.
+    rests: bool,
 }
 
 /// Which of the two extreme profiles a joint follows.
@@ -49,7 +51,13 @@ pub(super) struct Earliest {
 
 impl Axis {
     pub(super) fn new(task: Task, distance: f64) -> Axis {
-        let (upper, lower) = (Side::new(task), Side::new(task.mirrored()));
+        let rests = task.is_from_rest_to_rest();
+        let upper = Side::new(task);
+        let lower = if rests {
+            upper
+        } else {
+            Side::new(task.mirrored())
+        };
         let span = task.velocity * task.velocity / task.acceleration
             + task.acceleration * task.velocity / task.jerk;
         Axis {
@@ -57,7 +65,12 @@ impl Axis {
             lower,
             distance,
             slack: 1e-13 * (distance.abs() + span),
-            edges: edges(&upper, &lower),
+            edges: if rests {
+                [None; 4]
+            } else {
+                edges(&upper, &lower)
+            },
+            rests,
         }
     }
 
@@ -77,11 +90,36 @@ impl Axis {
             distance: 0.0,
             slack: 0.0,
             edges: [None; 4],
+            rests: true,
         }
     }
 
     /// The shortest time of at least `from` in which the displacement can be reached exactly.
     pub(super) fn earliest(&self, from: f64) -> Option<Earliest> {
+        if self.rests {
+            let shortest = self.upper.task.from_rest_to_rest(self.distance.abs());
+            if from > shortest {
+                let profile = self.lasting(from)?;
+                return Some(Earliest {
+                    time: from,
+                    profile,
+                });
+            }
+            let phases = match self.upper.shape_at(shortest) {
+                Some(shape) => self.upper.task.phases(&shape),
+                // Nothing to do.
+                None => Phases::default(),
+            };
+            let profile = if self.distance >= 0.0 {
+                Profile::Upper(phases)
+            } else {
+                Profile::Lower(phases)
+            };
+            return Some(Earliest {
+                time: shortest,
+                profile,
+            });
+        }
         let mut segment_start = None;
         for edge in self.edges.iter().flatten() {
             if let Some(before) = segment_start.replace(edge)
@@ -96,15 +134,18 @@ impl Axis {
 
     /// The profile of exactly `time` seconds that reaches the displacement.
     pub(super) fn lasting(&self, time: f64) -> Option<Profile> {
-        let (up, down) = (self.upper.shape_at(time)?, self.lower.shape_at(time)?);
-        let upper = self.upper.task.phases(&up);
-        let lower = self.lower.task.phases(&down);
-        let most = upper
-            .end(self.upper.task.start, self.upper.task.jerk)
-            .position;
-        let least = -lower
-            .end(self.lower.task.start, self.lower.task.jerk)
-            .position;
+        let profile = |side: &Side| {
+            let phases = side.task.phases(&side.shape_at(time)?);
+            let end = phases.end(side.task.start, side.task.jerk);
+            Some((phases, end.position))
+        };
+        let (upper, most) = profile(&self.upper)?;
+        let (lower, least) = if self.rests {
+            (upper, -most)
+        } else {
+            let (lower, least) = profile(&self.lower)?;
+            (lower, -least)
+        };
         if self.distance > most + self.slack || self.distance < least - self.slack {
             return None;
         }
@@ -269,12 +310,13 @@ fn convex_root(side: &Side, distance: f64, start: (f64, f64), end: f64) -> Optio
             .then(|| bracketed(side, distance, start, (end, reached)))
             .flatten();
     }
-    if distance >= side.d_cruise {
+    let d_cruise = side.d_cruise();
+    if distance >= d_cruise {
         let from = side.t_cruise.max(start.0);
         let (reached, _) = side.reach(from)?;
         return Some(from + (distance - reached) / side.task.velocity);
     }
-    bracketed(side, distance, start, (side.t_cruise, side.d_cruise))
+    bracketed(side, distance, start, (side.t_cruise, d_cruise))
 }
 
 /// The time at which the reach stops bending downwards, if it ever does so: with `z` the square of
@@ -299,7 +341,8 @@ fn bend_of(side: &Side) -> Option<f64> {
     Some(side.time_of_way(way))
 }
 
-/// Newton's method between two times, halving where it would leave them.
+/// Newton's method with the curvature of the last two slopes, between two times; halving where it
+/// would leave them.
 fn bracketed(side: &Side, distance: f64, low: (f64, f64), high: (f64, f64)) -> Option<f64> {
     let ((mut low, at_low), (mut high, at_high)) = (low, high);
     if at_high <= distance {
@@ -308,6 +351,7 @@ fn bracketed(side: &Side, distance: f64, low: (f64, f64), high: (f64, f64)) -> O
     // The reach grows with the cube of the time at first: this is not far off.
     let share = (distance - at_low) / (at_high - at_low);
     let mut time = low + (high - low) * share.clamp(0.0, 1.0).cbrt();
+    let mut before: Option<(f64, f64)> = None;
     for _ in 0..100 {
         let (reached, slope) = side.reach(time)?;
         let miss = reached - distance;
@@ -316,7 +360,16 @@ fn bracketed(side: &Side, distance: f64, low: (f64, f64), high: (f64, f64)) -> O
         } else {
             high = time;
         }
-        let step = miss / slope;
+        let bend = before.map_or(0.0, |(then, slope_then)| {
+            (slope - slope_then) / (time - then)
+        });
+        before = Some((time, slope));
+        let root = (slope * slope - 2.0 * bend * miss).sqrt();
+        let step = if root.is_finite() && slope > 0.0 {
+            2.0 * miss / (slope + root)
+        } else {
+            miss / slope
+        };
         let next = time - step;
         if step.abs() <= 4.0 * f64::EPSILON * time {
             return Some(next);

@@ -298,13 +298,14 @@ fn axes<const N: usize>(
     if N == 0 {
         return Err(MoveError::NoJoints);
     }
-    let mut axes = [Axis::nothing(); N];
-    let all = axes.iter_mut().zip(start).zip(goal).zip(limits);
-    for (index, (((slot, start), goal), limits)) in all.enumerate() {
+    let all = start.iter().zip(goal).zip(limits);
+    for (index, ((start, goal), limits)) in all.clone().enumerate() {
         let joint = index + 1;
         check_limits(joint, limits)?;
         check_state(joint, "start", start, limits, 1.0)?;
         check_state(joint, "goal", goal, limits, -1.0)?;
+    }
+    let mut all = all.map(|((start, goal), limits)| {
         let task = Task {
             start: State {
                 position: 0.0,
@@ -315,9 +316,12 @@ fn axes<const N: usize>(
             acceleration: limits.acceleration,
             jerk: limits.jerk,
         };
-        *slot = Axis::new(task, goal.position - start.position);
-    }
-    Ok(axes)
+        Axis::new(task, goal.position - start.position)
+    });
+    // As many as there are places.
+    Ok(std::array::from_fn(|_| {
+        all.next().unwrap_or_else(Axis::nothing)
+    }))
 }
 
 fn check_limits(joint: usize, limits: &MotionLimits) -> Result<(), MoveError> {

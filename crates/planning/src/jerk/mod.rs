@@ -3,8 +3,8 @@
 //!
 //! For one joint and one duration T the displacements that can be reached form an interval, because
 //! the joint is a linear system and its limits are convex. Its upper end is reached by the jerk
-//! pattern up, down, up, its lower end by down, up, down ([`side`]); both have closed forms. The
-//! shortest time is where the wanted displacement first lies in the interval ([`axis`]). A joint
+//! pattern up, down, up, its lower end by down, up, down (`side`); both have closed forms. The
+//! shortest time is where the wanted displacement first lies in the interval (`axis`). A joint
 //! that has to wait for a slower one takes the mean of the two extreme profiles that ends where it
 //! should: a mean of two profiles within the limits is within the limits, so no second search is
 //! needed.

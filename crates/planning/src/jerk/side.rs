@@ -37,7 +37,6 @@ pub(super) struct Side {
     capped: Shape,
     /// The time from which on the profile cruises at the highest velocity.
     pub(super) t_cruise: f64,
-    pub(super) d_cruise: f64,
 }
 
 impl Task {
@@ -51,13 +50,14 @@ impl Task {
 
     /// The phases of a shape that fits this task.
     pub(super) fn phases(&self, shape: &Shape) -> Phases {
-        let (a0, af, j) = (self.start.acceleration, self.goal.acceleration, self.jerk);
-        let up = (shape.peak - a0) / j;
-        let up_again = (af - shape.trough) / j;
+        let (a0, af) = (self.start.acceleration, self.goal.acceleration);
+        let per_jerk = 1.0 / self.jerk;
+        let up = (shape.peak - a0) * per_jerk;
+        let up_again = (af - shape.trough) * per_jerk;
         // A phase shorter than nothing is rounding, see `Side::fits`.
         let [down, down_again] = match shape.cruise {
-            Some(_) => [shape.peak / j, -shape.trough / j],
-            None => [(shape.peak - shape.trough) / j, 0.0],
+            Some(_) => [shape.peak * per_jerk, -shape.trough * per_jerk],
+            None => [(shape.peak - shape.trough) * per_jerk, 0.0],
         };
         Phases(
             [
@@ -84,6 +84,44 @@ impl Task {
             + shape.peak_hold
             + shape.trough_hold
             + shape.cruise.unwrap_or(0.0)
+    }
+}
+
+impl Task {
+    /// Does the joint rest before and after?
+    pub(super) fn is_from_rest_to_rest(&self) -> bool {
+        let State {
+            velocity,
+            acceleration,
+            ..
+        } = self.start;
+        let parts = [
+            velocity,
+            acceleration,
+            self.goal.velocity,
+            self.goal.acceleration,
+        ];
+        parts.iter().all(|part| *part == 0.0)
+    }
+
+    /// The shortest time from rest to rest over `way`, which is not negative: with `v`, `a`, `j`
+    /// reached or not.
+    pub(super) fn from_rest_to_rest(&self, way: f64) -> f64 {
+        let (v, a, j) = (self.velocity, self.acceleration, self.jerk);
+        // The least velocity that needs the whole acceleration.
+        let bend = a * a / j;
+        if way <= 2.0 * bend.min(v) * (bend.min(v) / j).sqrt() {
+            return (32.0 * way / j).cbrt();
+        }
+        if v <= bend {
+            return way / v + 2.0 * (v / j).sqrt();
+        }
+        if way >= v * (v / a + a / j) {
+            return way / v + v / a + a / j;
+        }
+        // The highest velocity V of way = V (V / a + a / j).
+        let highest = 0.5 * ((bend * bend + 4.0 * way * a).sqrt() - bend);
+        2.0 * (highest / a + a / j)
     }
 }
 
@@ -115,8 +153,12 @@ impl Side {
             k: j * (vf - v0) + 0.5 * (a0 * a0 - af * af),
             capped,
             t_cruise: task.duration(&capped),
-            d_cruise: task.displacement(&capped),
         }
+    }
+
+    /// How far the joint gets before it begins to cruise.
+    pub(super) fn d_cruise(&self) -> f64 {
+        self.task.displacement(&self.capped)
     }
 
     /// Half of what the accelerations go through in the time `t`: `peak - trough` and the holds.
