@@ -97,7 +97,7 @@ impl Axis {
     /// The shortest time of at least `from` in which the displacement can be reached exactly.
     pub(super) fn earliest(&self, from: f64) -> Option<Earliest> {
         if self.rests {
-            let shortest = self.upper.task.from_rest_to_rest(self.distance.abs());
+            let shortest = self.upper.task.shortest_between_rests(self.distance.abs());
             if from > shortest {
                 let profile = self.lasting(from)?;
                 return Some(Earliest {

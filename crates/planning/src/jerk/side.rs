@@ -106,7 +106,7 @@ impl Task {
 
     /// The shortest time from rest to rest over `way`, which is not negative: with `v`, `a`, `j`
     /// reached or not.
-    pub(super) fn from_rest_to_rest(&self, way: f64) -> f64 {
+    pub(super) fn shortest_between_rests(&self, way: f64) -> f64 {
         let (v, a, j) = (self.velocity, self.acceleration, self.jerk);
         // The least velocity that needs the whole acceleration.
         let bend = a * a / j;
