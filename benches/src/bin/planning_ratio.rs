@@ -1,0 +1,172 @@
+//! Prints how our trajectories compare with rsruckig, and what planning among obstacles takes:
+//! `cargo run --release -p benches --bin planning_ratio`.
+
+use std::time::Instant;
+
+use benches::compare::compare;
+use kinematics::{ArmModel, PendantJoints, Pose, Xyzwpr};
+use planning::arm::{ArmShape, Obstacle, Scene, transfer};
+use planning::jerk::{JointMove, MotionLimits};
+use planning::{Sampling, State};
+use rand_distr::{Distribution, Uniform};
+use rand_pcg::Pcg64Mcg;
+use rand_pcg::rand_core::SeedableRng;
+use rsruckig::prelude::{InputParameter, Ruckig, ThrowErrorHandler, Trajectory};
+use units::{Degrees, Millimeters};
+
+const MOVES: usize = 5000;
+const REPEATS: usize = 31;
+
+struct Move {
+    start: [State; 6],
+    goal: [State; 6],
+    limits: [MotionLimits; 6],
+    theirs: InputParameter<6>,
+}
+
+#[expect(clippy::print_stdout, reason = "the table is what this program is for")]
+fn main() -> anyhow::Result<()> {
+    println!("six joints, {MOVES} random moves, {REPEATS} repeats in turn, median");
+    println!(
+        "{:<28} {:>9} {:>12} {:>7} {:>22}",
+        "", "ours, ns", "rsruckig, ns", "ratio", "worst difference, s"
+    );
+    for (name, moving) in [("rest to rest", 0.0), ("any state to any state", 1.0)] {
+        let moves = moves(moving)?;
+        let mut otg = Ruckig::<6, ThrowErrorHandler>::new(None, 0.01);
+        let mut trajectory = Trajectory::<6>::new(None);
+        let mut worst: f64 = 0.0;
+        for case in &moves {
+            let ours = JointMove::try_new(&case.start, &case.goal, &case.limits)?.duration();
+            if otg.calculate(&case.theirs, &mut trajectory).is_ok() {
+                worst = worst.max((ours - trajectory.get_duration()).abs());
+            }
+        }
+        let found = compare(
+            &moves,
+            REPEATS,
+            |case| JointMove::try_new(&case.start, &case.goal, &case.limits),
+            |case| otg.calculate(&case.theirs, &mut trajectory).is_ok(),
+        );
+        println!(
+            "{name:<28} {:>9.0} {:>12.0} {:>6.2}x {worst:>22.1e}",
+            found.ours_ns, found.peer_ns, found.ratio
+        );
+    }
+    let (median, worst, solved) = transfers()?;
+    println!(
+        "arm transfer among 10 obstacles, 100 seeds: {solved} solved, median {median:.1} ms, worst {worst:.1} ms"
+    );
+    Ok(())
+}
+
+#[expect(
+    clippy::indexing_slicing,
+    reason = "the peer's arrays have six places, as ours"
+)]
+fn moves(moving: f64) -> anyhow::Result<Vec<Move>> {
+    let mut random = Pcg64Mcg::seed_from_u64(7);
+    let unit = Uniform::new(-1.0, 1.0)?;
+    let mut next = || unit.sample(&mut random);
+    let mut moves = Vec::with_capacity(MOVES);
+    for _ in 0..MOVES {
+        let mut case = Move {
+            start: [State::default(); 6],
+            goal: [State::default(); 6],
+            limits: [MotionLimits {
+                velocity: 1.0,
+                acceleration: 1.0,
+                jerk: 1.0,
+            }; 6],
+            theirs: InputParameter::new(None),
+        };
+        let joints = case.start.iter_mut().zip(&mut case.goal);
+        for (joint, ((start, goal), limits)) in joints.zip(&mut case.limits).enumerate() {
+            limits.velocity = 2.0 + next();
+            limits.acceleration = 4.0 + 2.0 * next();
+            limits.jerk = 20.0 + 10.0 * next();
+            // Half the limits: no acceleration leads beyond the highest velocity.
+            let mut state = || State {
+                position: 3.0 * next(),
+                velocity: 0.5 * moving * limits.velocity * next(),
+                acceleration: 0.5 * moving * limits.acceleration * next(),
+            };
+            (*start, *goal) = (state(), state());
+            let theirs = &mut case.theirs;
+            theirs.current_position[joint] = start.position;
+            theirs.current_velocity[joint] = start.velocity;
+            theirs.current_acceleration[joint] = start.acceleration;
+            theirs.target_position[joint] = goal.position;
+            theirs.target_velocity[joint] = goal.velocity;
+            theirs.target_acceleration[joint] = goal.acceleration;
+            theirs.max_velocity[joint] = limits.velocity;
+            theirs.max_acceleration[joint] = limits.acceleration;
+            theirs.max_jerk[joint] = limits.jerk;
+        }
+        moves.push(case);
+    }
+    Ok(moves)
+}
+
+/// Milliseconds of the median and of the worst, and how many found a way.
+fn transfers() -> anyhow::Result<(f64, f64, usize)> {
+    let arm = ArmModel::builtin("fanuc-m20ia").ok_or_else(|| anyhow::anyhow!("no such arm"))?;
+    let shape = ArmShape::skeleton(arm, Millimeters(90.0))?;
+    let scene = Scene::try_new(&obstacles()?)?;
+    let start = PendantJoints::from_degrees([45.0, 20.0, -20.0, 0.0, -70.0, 0.0]);
+    let goal = PendantJoints::from_degrees([-45.0, 20.0, -20.0, 0.0, -70.0, 0.0]);
+    let mut times = Vec::new();
+    let mut solved = 0;
+    for seed in 0..100 {
+        let sampling = Sampling {
+            seed,
+            ..Sampling::default()
+        };
+        let begun = Instant::now();
+        let margin = Millimeters(20.0);
+        let found = transfer(arm, &shape, &scene, &start, &goal, margin, &sampling);
+        times.push(begun.elapsed().as_secs_f64() * 1e3);
+        solved += usize::from(found.is_ok());
+    }
+    times.sort_by(f64::total_cmp);
+    let at = |index: usize| times.get(index).copied().unwrap_or(f64::NAN);
+    Ok((at(times.len() / 2), at(times.len() - 1), solved))
+}
+
+/// The scene of planning's own tests.
+fn obstacles() -> anyhow::Result<Vec<Obstacle>> {
+    let at = |x: f64, y: f64, z: f64| {
+        let position = [x, y, z].map(Millimeters);
+        Pose::try_from_xyzwpr(&Xyzwpr::new(position, [Degrees(0.0); 3]))
+    };
+    let mut all = Vec::new();
+    for ([x, y, z], size) in [
+        ([900.0, 900.0, -200.0], [500.0, 500.0, 400.0]),
+        ([900.0, -900.0, -200.0], [500.0, 500.0, 400.0]),
+        ([1300.0, 0.0, 300.0], [100.0, 300.0, 1400.0]),
+        ([-800.0, 0.0, 600.0], [200.0, 2000.0, 1200.0]),
+        ([1000.0, 0.0, 1500.0], [600.0, 600.0, 50.0]),
+    ] {
+        all.push(Obstacle::Box {
+            pose: at(x, y, z)?,
+            size: size.map(Millimeters),
+        });
+    }
+    for (x, y, radius, height) in [
+        (800.0, 250.0, 60.0, 900.0),
+        (800.0, -250.0, 60.0, 900.0),
+        (1100.0, 400.0, 50.0, 1000.0),
+        (1100.0, -400.0, 50.0, 1000.0),
+    ] {
+        all.push(Obstacle::Cylinder {
+            pose: at(x, y, height / 2.0 - 400.0)?,
+            radius: Millimeters(radius),
+            height: Millimeters(height),
+        });
+    }
+    all.push(Obstacle::KeepOut {
+        min: [700.0, -100.0, -500.0].map(Millimeters),
+        max: [1000.0, 100.0, 500.0].map(Millimeters),
+    });
+    Ok(all)
+}

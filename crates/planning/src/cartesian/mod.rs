@@ -1,0 +1,11 @@
+//! Straight lines, circles and splines of the tool, with inverse kinematics at every step.
+//!
+//! Section 5.2 of the lectures: `q = ikin(H(t))` at each step, H the pose on the path. The path
+//! parameter runs from 0 to 1 with a jerk-limited profile; where a joint would be too fast, the
+//! whole move is slowed down, and says so.
+
+mod path;
+mod tool_move;
+
+pub use path::{Extent, PathError, ToolPath};
+pub use tool_move::{Sample, ToolError, ToolLimits, ToolMove};

@@ -1,0 +1,403 @@
+//! A path of the tool in time, and the joints along it.
+
+use kinematics::{ArmModel, Axis, Frames, IkError, PendantJoints, Seed, Xyzwpr};
+use units::{Degrees, MmPerSec, MmPerSec2, RadPerSec};
+
+use super::path::{PathError, ToolPath};
+use crate::jerk::{JointMove, MotionLimits, MoveError};
+use crate::state::State;
+
+/// What the tool may do at most.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToolLimits {
+    /// Of the tool center point.
+    pub speed: MmPerSec,
+    /// Along the path.
+    pub acceleration: MmPerSec2,
+    /// Along the path, in mm/s³.
+    pub jerk: f64,
+    /// Of the tool's orientation; its acceleration and jerk are in proportion to the speeds.
+    pub turning: RadPerSec,
+}
+
+/// The arm at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Seconds since the start.
+    pub time: f64,
+    /// On the path, from 0 to 1.
+    pub parameter: f64,
+    /// The joints.
+    pub joints: PendantJoints,
+}
+
+/// Why a move of the tool is not possible, and where.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ToolError {
+    /// A limit of the tool that is no limit.
+    #[error("the tool's {item} is {value}; it must be a number from 1e-6 to 1e6")]
+    Limit {
+        /// `speed`, `acceleration`, `jerk`, `turning`.
+        item: &'static str,
+        /// What was given.
+        value: f64,
+    },
+    /// A period that is no period.
+    #[error("the period is {value} s; it must be from 0.0005 to 1 s")]
+    Period {
+        /// What was given.
+        value: f64,
+    },
+    /// The path itself.
+    #[error(transparent)]
+    Path(#[from] PathError),
+    /// The arm does not reach a pose of the path.
+    #[error("at {parameter:.4} of the path, {pose}: {source}")]
+    Unreachable {
+        /// From 0 to 1.
+        parameter: f64,
+        /// Of the tool in the user frame.
+        pose: Box<Xyzwpr>,
+        /// Which joint, its value and its limit, or how far out of reach.
+        source: IkError,
+    },
+    /// Two neighboring poses are only reached by joints far apart: a singularity, or a limit that
+    /// forces the arm into another branch.
+    #[error("at {parameter:.4} of the path, {pose}: {joint} would jump from {from:.2} to {to:.2}")]
+    Jump {
+        /// From 0 to 1.
+        parameter: f64,
+        /// Of the tool in the user frame.
+        pose: Box<Xyzwpr>,
+        /// The joint with the longest way.
+        joint: Axis,
+        /// Before.
+        from: Degrees,
+        /// After.
+        to: Degrees,
+    },
+    /// The arm does not stand where the path begins.
+    #[error("{joint} is at {is:.3}, the path begins at {begins:.3}")]
+    StartElsewhere {
+        /// The joint that is farthest off.
+        joint: Axis,
+        /// Where it is.
+        is: Degrees,
+        /// Where it would have to be.
+        begins: Degrees,
+    },
+    /// The move would have to be slower than any that makes sense.
+    #[error("{joint} slows the move {factor:.0} times, at {parameter:.4} of the path")]
+    TooSlow {
+        /// The joint at its limit.
+        joint: Axis,
+        /// From 0 to 1.
+        parameter: f64,
+        /// How many times slower.
+        factor: f64,
+    },
+    /// Planning the path parameter in time.
+    #[error("planning the path parameter in time")]
+    Profile(#[source] MoveError),
+    /// A path with more samples than are held at once.
+    #[error("{samples} samples; at most {most} are planned at once")]
+    TooLong {
+        /// How many the path needs.
+        samples: f64,
+        /// How many there may be.
+        most: u32,
+    },
+}
+
+/// Joints along a path of the tool, one sample a period.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ToolMove {
+    samples: Vec<Sample>,
+    slowed: f64,
+    limited_by: Option<Axis>,
+}
+
+/// Of one joint from one checked pose to the next.
+const LONGEST_STEP_DEG: f64 = 15.0;
+/// Parts of a path that are checked before any time is planned.
+const CHECKS: u32 = 200;
+const MOST_SAMPLES: u32 = 1_000_000;
+const SLOWEST: f64 = 1000.0;
+/// Joints this close are where they should be.
+const AT_START_DEG: f64 = 0.01;
+
+impl ToolMove {
+    /// Moves the tool along `path`, in the user frame of `frames`, beginning at `start`; rest at
+    /// both ends, one sample each `period` seconds. Each joint keeps the speed and acceleration of
+    /// the model at every sample; where one would not, the whole move is slowed down.
+    ///
+    /// # Errors
+    /// Where and why the arm cannot follow: parameter, pose, joint, limit.
+    pub fn try_new(
+        arm: &ArmModel,
+        frames: &Frames,
+        path: &ToolPath,
+        limits: &ToolLimits,
+        start: &PendantJoints,
+        period: f64,
+    ) -> Result<ToolMove, ToolError> {
+        check_limits(limits)?;
+        if !(0.0005..=1.0).contains(&period) {
+            return Err(ToolError::Period { value: period });
+        }
+        let follower = Follower { arm, frames, path };
+        follower.check_start(start)?;
+        let steepest = follower.check_whole(start)?;
+        let profile = parameter_profile(limits, &steepest)?;
+        let (mut slowed, mut limited_by) = (1.0, None);
+        // Each round measures the joints at the slower pace; two are the rule.
+        for _ in 0..8 {
+            let samples = follower.samples(&profile, slowed, start, period)?;
+            let Some(worst) = worst(arm, &samples, period) else {
+                return Ok(ToolMove {
+                    samples,
+                    slowed,
+                    limited_by,
+                });
+            };
+            slowed *= worst.factor * 1.001;
+            limited_by = Some(worst.joint);
+            if slowed > SLOWEST {
+                return Err(ToolError::TooSlow {
+                    joint: worst.joint,
+                    parameter: worst.parameter,
+                    factor: slowed,
+                });
+            }
+        }
+        Err(ToolError::TooSlow {
+            joint: limited_by.unwrap_or(Axis::J1),
+            parameter: 1.0,
+            factor: slowed,
+        })
+    }
+
+    /// One each period, the first at the start and the last at the end.
+    #[must_use]
+    pub fn samples(&self) -> &[Sample] {
+        &self.samples
+    }
+
+    /// In seconds.
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        self.samples.last().map_or(0.0, |sample| sample.time)
+    }
+
+    /// How many times longer the move takes because of the joints; 1 if the tool's own limits
+    /// decide.
+    #[must_use]
+    pub fn slowed(&self) -> f64 {
+        self.slowed
+    }
+
+    /// The joint that slows the move.
+    #[must_use]
+    pub fn limited_by(&self) -> Option<Axis> {
+        self.limited_by
+    }
+}
+
+struct Follower<'a> {
+    arm: &'a ArmModel,
+    frames: &'a Frames,
+    path: &'a ToolPath,
+}
+
+/// The largest ways for a whole unit of the parameter.
+struct Steepest {
+    millimeters: f64,
+    radians: f64,
+}
+
+impl Follower<'_> {
+    fn joints_at(&self, parameter: f64, near: &PendantJoints) -> Result<PendantJoints, ToolError> {
+        let X_UT = self.path.pose_at(parameter)?;
+        let X_WF = self.frames.flange_in_world(&X_UT);
+        let solution = self.arm.inverse(&X_WF, Seed::Near(*near));
+        let solution = solution.map_err(|source| ToolError::Unreachable {
+            parameter,
+            pose: Box::new(X_UT.xyzwpr()),
+            source,
+        })?;
+        Ok(solution.joints)
+    }
+
+    fn check_start(&self, start: &PendantJoints) -> Result<(), ToolError> {
+        let begins = self.joints_at(0.0, start)?;
+        let (joint, is, begins) = farthest(start, &begins);
+        if (is.0 - begins.0).abs() > AT_START_DEG {
+            return Err(ToolError::StartElsewhere { joint, is, begins });
+        }
+        Ok(())
+    }
+
+    /// Follows the path without time.
+    fn check_whole(&self, start: &PendantJoints) -> Result<Steepest, ToolError> {
+        let (mut joints, mut pose) = (*start, self.path.pose_at(0.0)?);
+        let mut steepest = Steepest {
+            millimeters: 0.0,
+            radians: 0.0,
+        };
+        for step in 1..=CHECKS {
+            let parameter = f64::from(step) / f64::from(CHECKS);
+            joints = self.step(parameter, 1.0 / f64::from(CHECKS), &joints, 0)?;
+            let next = self.path.pose_at(parameter)?;
+            let (distance, angle) = pose.distance_to(&next);
+            steepest.millimeters = steepest.millimeters.max(distance.0 * f64::from(CHECKS));
+            steepest.radians = steepest.radians.max(angle.0 * f64::from(CHECKS));
+            pose = next;
+        }
+        Ok(steepest)
+    }
+
+    /// The joints at `parameter`, a `step` after `before`; halved while they are far apart.
+    fn step(
+        &self,
+        parameter: f64,
+        step: f64,
+        before: &PendantJoints,
+        halved: u32,
+    ) -> Result<PendantJoints, ToolError> {
+        let joints = self.joints_at(parameter, before)?;
+        let (joint, from, to) = farthest(before, &joints);
+        if (to.0 - from.0).abs() <= LONGEST_STEP_DEG {
+            return Ok(joints);
+        }
+        if halved == 10 {
+            let pose = Box::new(self.path.pose_at(parameter)?.xyzwpr());
+            return Err(ToolError::Jump {
+                parameter,
+                pose,
+                joint,
+                from,
+                to,
+            });
+        }
+        let half = 0.5 * step;
+        let middle = self.step(parameter - half, half, before, halved + 1)?;
+        self.step(parameter, half, &middle, halved + 1)
+    }
+
+    fn samples(
+        &self,
+        profile: &JointMove<1>,
+        slowed: f64,
+        start: &PendantJoints,
+        period: f64,
+    ) -> Result<Vec<Sample>, ToolError> {
+        let duration = profile.duration() * slowed;
+        let count = (duration / period).ceil();
+        if count > f64::from(MOST_SAMPLES) {
+            return Err(ToolError::TooLong {
+                samples: count,
+                most: MOST_SAMPLES,
+            });
+        }
+        // The move lasts a whole number of periods.
+        let pace = profile.duration() / (count * period);
+        let mut samples = vec![Sample {
+            time: 0.0,
+            parameter: 0.0,
+            joints: *start,
+        }];
+        let mut joints = *start;
+        let mut before = 0.0;
+        for step in (1..=MOST_SAMPLES).take_while(|step| f64::from(*step) <= count) {
+            let time = f64::from(step) * period;
+            let [State { position, .. }] = profile.at(time * pace);
+            let parameter = position.clamp(0.0, 1.0);
+            joints = self.step(parameter, parameter - before, &joints, 0)?;
+            before = parameter;
+            samples.push(Sample {
+                time,
+                parameter,
+                joints,
+            });
+        }
+        Ok(samples)
+    }
+}
+
+fn farthest(a: &PendantJoints, b: &PendantJoints) -> (Axis, Degrees, Degrees) {
+    let far = |axis: &Axis| (a.of(*axis).0 - b.of(*axis).0).abs();
+    let axis = Axis::ALL
+        .into_iter()
+        .max_by(|a, b| far(a).total_cmp(&far(b)))
+        .unwrap_or(Axis::J1);
+    (axis, a.of(axis), b.of(axis))
+}
+
+fn parameter_profile(limits: &ToolLimits, steepest: &Steepest) -> Result<JointMove<1>, ToolError> {
+    // A tool that only turns has no length; one that only moves does not turn.
+    let by_length = limits.speed.0 / steepest.millimeters.max(f64::MIN_POSITIVE);
+    let by_angle = limits.turning.0 / steepest.radians.max(f64::MIN_POSITIVE);
+    let velocity = by_length.min(by_angle);
+    let share = velocity / limits.speed.0;
+    let limits = MotionLimits {
+        velocity,
+        acceleration: limits.acceleration.0 * share,
+        jerk: limits.jerk * share,
+    };
+    let (start, goal) = ([State::at_rest(0.0)], [State::at_rest(1.0)]);
+    JointMove::try_new(&start, &goal, &[limits]).map_err(ToolError::Profile)
+}
+
+struct Worst {
+    joint: Axis,
+    parameter: f64,
+    factor: f64,
+}
+
+/// The joint that is farthest beyond its speed or acceleration between samples; the arm rests
+/// before the first and after the last.
+fn worst(arm: &ArmModel, samples: &[Sample], period: f64) -> Option<Worst> {
+    let mut worst: Option<Worst> = None;
+    for joint in Axis::ALL {
+        let (fastest, hardest) = (arm.max_speed(joint).0, arm.max_acceleration(joint).0);
+        let mut speed_before = 0.0;
+        let pairs = samples.iter().zip(samples.iter().skip(1));
+        let speeds = pairs
+            .map(|(a, b)| {
+                (
+                    b.parameter,
+                    (b.joints.of(joint).0 - a.joints.of(joint).0) / period,
+                )
+            })
+            .chain([(1.0, 0.0)]);
+        for (parameter, speed) in speeds {
+            let acceleration = (speed - speed_before) / period;
+            speed_before = speed;
+            let factor = (speed.abs() / fastest).max((acceleration.abs() / hardest).sqrt());
+            if factor > 1.0 && worst.as_ref().is_none_or(|worst| worst.factor < factor) {
+                worst = Some(Worst {
+                    joint,
+                    parameter,
+                    factor,
+                });
+            }
+        }
+    }
+    worst
+}
+
+fn check_limits(limits: &ToolLimits) -> Result<(), ToolError> {
+    let all = [
+        ("speed", limits.speed.0),
+        ("acceleration", limits.acceleration.0),
+        ("jerk", limits.jerk),
+        ("turning", limits.turning.0),
+    ];
+    all.into_iter().try_for_each(|(item, value)| {
+        if (1e-6..=1e6).contains(&value) {
+            Ok(())
+        } else {
+            Err(ToolError::Limit { item, value })
+        }
+    })
+}

@@ -1,0 +1,179 @@
+//! Probabilistic roadmaps in any space.
+
+use rand_pcg::Pcg64Mcg;
+use rand_pcg::rand_core::SeedableRng;
+
+use crate::plane::graph::shortest;
+
+/// How a roadmap is sampled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sampling {
+    /// The same seed gives the same path.
+    pub seed: u64,
+    /// Samples between two attempts to join start and goal.
+    pub batch: u32,
+    /// Samples after which the search is given up.
+    pub most: u32,
+    /// Neighbors that a sample is joined with.
+    pub neighbors: usize,
+}
+
+impl Default for Sampling {
+    fn default() -> Self {
+        Sampling {
+            seed: 0,
+            batch: 100,
+            most: 5000,
+            neighbors: 12,
+        }
+    }
+}
+
+/// Where a roadmap is made.
+pub(crate) trait Space<const N: usize> {
+    /// Are connections only checked when a path wants to use them?
+    const LAZY: bool;
+
+    fn sample(&self, random: &mut Pcg64Mcg) -> [f64; N];
+    fn distance(&self, a: &[f64; N], b: &[f64; N]) -> f64;
+    fn is_valid(&self, at: &[f64; N]) -> bool;
+    fn is_free(&self, a: &[f64; N], b: &[f64; N]) -> bool;
+}
+
+struct Edge {
+    to: usize,
+    length: f64,
+    /// `None`: not known yet.
+    free: Option<bool>,
+}
+
+/// Start, the samples between, goal; `None` if all samples were in vain. Start and goal must be
+/// valid.
+pub(crate) fn search<const N: usize, S: Space<N>>(
+    space: &S,
+    start: [f64; N],
+    goal: [f64; N],
+    sampling: &Sampling,
+) -> Option<Vec<[f64; N]>> {
+    if space.is_free(&start, &goal) {
+        return Some(vec![start, goal]);
+    }
+    let mut random = Pcg64Mcg::seed_from_u64(sampling.seed);
+    let mut map = Map {
+        space,
+        nodes: vec![start, goal],
+        edges: vec![Vec::new(), Vec::new()],
+        neighbors: sampling.neighbors,
+    };
+    let mut sampled = 0;
+    while sampled < sampling.most {
+        for _ in 0..sampling.batch.max(1) {
+            sampled += 1;
+            let sample = space.sample(&mut random);
+            if space.is_valid(&sample) {
+                map.add(sample);
+            }
+        }
+        if let Some(way) = map.way() {
+            let nodes = way.into_iter();
+            return nodes.map(|node| map.nodes.get(node).copied()).collect();
+        }
+    }
+    None
+}
+
+struct Map<'a, const N: usize, S> {
+    space: &'a S,
+    nodes: Vec<[f64; N]>,
+    edges: Vec<Vec<Edge>>,
+    neighbors: usize,
+}
+
+impl<const N: usize, S: Space<N>> Map<'_, N, S> {
+    fn add(&mut self, sample: [f64; N]) {
+        let mut near: Vec<(f64, usize)> = self
+            .nodes
+            .iter()
+            .enumerate()
+            .map(|(index, node)| (self.space.distance(node, &sample), index))
+            .collect();
+        let by_distance = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0);
+        if near.len() > self.neighbors {
+            let _ = near.select_nth_unstable_by(self.neighbors, by_distance);
+            near.truncate(self.neighbors);
+        }
+        near.sort_by(by_distance);
+        let index = self.nodes.len();
+        let mut own = Vec::with_capacity(near.len());
+        for (length, to) in near {
+            let Some(node) = self.nodes.get(to) else {
+                continue;
+            };
+            let free = if S::LAZY {
+                None
+            } else if self.space.is_free(node, &sample) {
+                Some(true)
+            } else {
+                continue;
+            };
+            own.push(Edge { to, length, free });
+            if let Some(theirs) = self.edges.get_mut(to) {
+                theirs.push(Edge {
+                    to: index,
+                    length,
+                    free,
+                });
+            }
+        }
+        self.nodes.push(sample);
+        self.edges.push(own);
+    }
+
+    /// The shortest way from node 0 to node 1 whose edges are all free.
+    fn way(&mut self) -> Option<Vec<usize>> {
+        loop {
+            let way = shortest(
+                self.nodes.len(),
+                0,
+                1,
+                |node, around| {
+                    let edges = self.edges.get(node).into_iter().flatten();
+                    let open = edges.filter(|edge| edge.free != Some(false));
+                    around.extend(open.map(|edge| (edge.to, edge.length)));
+                },
+                |node| match (self.nodes.get(node), self.nodes.get(1)) {
+                    (Some(node), Some(goal)) => self.space.distance(node, goal),
+                    _ => 0.0,
+                },
+            )?;
+            let mut free = true;
+            for (&a, &b) in way.iter().zip(way.iter().skip(1)) {
+                free &= self.check(a, b);
+            }
+            if free {
+                return Some(way);
+            }
+        }
+    }
+
+    /// Is the edge free? Looked at once.
+    fn check(&mut self, a: usize, b: usize) -> bool {
+        let known = self.edges.get(a).into_iter().flatten();
+        let known = known.filter(|edge| edge.to == b).find_map(|edge| edge.free);
+        if let Some(free) = known {
+            return free;
+        }
+        let free = match (self.nodes.get(a), self.nodes.get(b)) {
+            (Some(from), Some(to)) => self.space.is_free(from, to),
+            _ => false,
+        };
+        for (from, to) in [(a, b), (b, a)] {
+            for edge in self.edges.get_mut(from).into_iter().flatten() {
+                if edge.to == to {
+                    edge.free = Some(free);
+                }
+            }
+        }
+        free
+    }
+}

@@ -1,0 +1,280 @@
+//! The arm among obstacles: its shape, distances by hand, transfers among ten obstacles over 100
+//! seeds, and bad input.
+#![allow(
+    clippy::indexing_slicing,
+    clippy::unwrap_used,
+    clippy::wildcard_enum_match_arm,
+    reason = "the helpers of tests, too, may fail loudly"
+)]
+
+use kinematics::{ArmModel, Axis, PendantJoints, Pose, Xyzwpr};
+use planning::Sampling;
+use planning::arm::{ArmError, ArmPath, ArmShape, Capsule, Obstacle, Scene, transfer};
+use units::{Degrees, Millimeters};
+
+const MARGIN: Millimeters = Millimeters(20.0);
+
+fn arm() -> &'static ArmModel {
+    ArmModel::builtin("fanuc-m20ia").unwrap()
+}
+
+fn shape() -> ArmShape {
+    ArmShape::skeleton(arm(), Millimeters(90.0)).unwrap()
+}
+
+fn at(x: f64, y: f64, z: f64) -> Pose {
+    let position = [x, y, z].map(Millimeters);
+    Pose::try_from_xyzwpr(&Xyzwpr::new(position, [Degrees(0.0); 3])).unwrap()
+}
+
+fn cuboid(middle: [f64; 3], size: [f64; 3]) -> Obstacle {
+    let [x, y, z] = middle;
+    Obstacle::Box {
+        pose: at(x, y, z),
+        size: size.map(Millimeters),
+    }
+}
+
+fn pillar(x: f64, y: f64, radius: f64, height: f64) -> Obstacle {
+    Obstacle::Cylinder {
+        pose: at(x, y, height / 2.0 - 400.0),
+        radius: Millimeters(radius),
+        height: Millimeters(height),
+    }
+}
+
+/// A table on each side, a fence, pillars, a shelf and a keep-out zone between them.
+fn ten_obstacles() -> Vec<Obstacle> {
+    vec![
+        cuboid([900.0, 900.0, -200.0], [500.0, 500.0, 400.0]),
+        cuboid([900.0, -900.0, -200.0], [500.0, 500.0, 400.0]),
+        cuboid([1300.0, 0.0, 300.0], [100.0, 300.0, 1400.0]),
+        pillar(800.0, 250.0, 60.0, 900.0),
+        pillar(800.0, -250.0, 60.0, 900.0),
+        pillar(1100.0, 400.0, 50.0, 1000.0),
+        pillar(1100.0, -400.0, 50.0, 1000.0),
+        cuboid([-800.0, 0.0, 600.0], [200.0, 2000.0, 1200.0]),
+        cuboid([1000.0, 0.0, 1500.0], [600.0, 600.0, 50.0]),
+        Obstacle::KeepOut {
+            min: [700.0, -100.0, -500.0].map(Millimeters),
+            max: [1000.0, 100.0, 500.0].map(Millimeters),
+        },
+    ]
+}
+
+fn start_and_goal() -> (PendantJoints, PendantJoints) {
+    (
+        PendantJoints::from_degrees([45.0, 20.0, -20.0, 0.0, -70.0, 0.0]),
+        PendantJoints::from_degrees([-45.0, 20.0, -20.0, 0.0, -70.0, 0.0]),
+    )
+}
+
+fn plan(scene: &Scene, seed: u64) -> Result<ArmPath, ArmError> {
+    let (start, goal) = start_and_goal();
+    let sampling = Sampling {
+        seed,
+        ..Sampling::default()
+    };
+    transfer(arm(), &shape(), scene, &start, &goal, MARGIN, &sampling)
+}
+
+#[test]
+fn the_capsules_end_where_the_forward_kinematics_ends() {
+    // A capsule of no length at the flange is touched by a small box exactly there.
+    let ball = Capsule {
+        link: 6,
+        from: [0.0; 3],
+        to: [0.0; 3],
+        radius: 5.0,
+    };
+    let flange_only = ArmShape::try_new(arm(), vec![ball]).unwrap();
+    for degrees in [
+        [0.0, 0.0, 0.0, 0.0, -90.0, 0.0],
+        [30.0, -20.0, 40.0, 50.0, -60.0, 70.0],
+    ] {
+        let joints = PendantJoints::from_degrees(degrees);
+        let p = arm().forward(&joints).isometry().translation.vector;
+        // The face of the box is 40 above the flange: 35 from the ball.
+        let scene = Scene::try_new(&[cuboid([p.x, p.y, p.z + 50.0], [20.0; 3])]).unwrap();
+        let refused = |margin: f64| {
+            let sampling = Sampling::default();
+            let margin = Millimeters(margin);
+            transfer(
+                arm(),
+                &flange_only,
+                &scene,
+                &joints,
+                &joints,
+                margin,
+                &sampling,
+            )
+        };
+        assert!(refused(34.9).is_ok());
+        match refused(35.1).unwrap_err() {
+            ArmError::Touches {
+                end: "start",
+                touch,
+            } => {
+                assert!((touch.distance.0 - 35.0).abs() < 1e-6, "{touch}");
+            }
+            other => panic!("{other}"),
+        }
+    }
+}
+
+#[test]
+fn a_cylinder_stands_along_z() {
+    let ball = Capsule {
+        link: 0,
+        from: [0.0; 3],
+        to: [0.0; 3],
+        radius: 1.0,
+    };
+    let base = ArmShape::try_new(arm(), vec![ball]).unwrap();
+    let home = arm().home();
+    let distance = |obstacle: Obstacle| {
+        let scene = Scene::try_new(&[obstacle]).unwrap();
+        let margin = Millimeters(1000.0);
+        let sampling = Sampling::default();
+        match transfer(arm(), &base, &scene, &home, &home, margin, &sampling).unwrap_err() {
+            ArmError::Touches { touch, .. } => touch.distance.0,
+            other => panic!("{other}"),
+        }
+    };
+    let cylinder = |x: f64, z: f64| Obstacle::Cylinder {
+        pose: at(x, 0.0, z),
+        radius: Millimeters(10.0),
+        height: Millimeters(200.0),
+    };
+    // Beside it: 100 - 10 - 1. Above it: 300 - 100 - 1.
+    assert!((distance(cylinder(100.0, 0.0)) - 89.0).abs() < 1e-6);
+    assert!((distance(cylinder(0.0, 300.0)) - 199.0).abs() < 1e-6);
+}
+
+#[test]
+fn a_transfer_among_ten_obstacles_succeeds_with_every_seed() {
+    let scene = Scene::try_new(&ten_obstacles()).unwrap();
+    // The straight way is blocked.
+    let (start, goal) = start_and_goal();
+    let mut lengths = Vec::new();
+    for seed in 0..100 {
+        let path = plan(&scene, seed).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
+        let points = path.points();
+        assert_eq!((points[0], points[points.len() - 1]), (start, goal));
+        assert!(points.len() > 2);
+        lengths.push(path.length_deg());
+        if seed < 5 {
+            touches_nothing(&path, &scene);
+        }
+    }
+    lengths.sort_by(f64::total_cmp);
+    println!(
+        "transfer: median {:.0}\u{b0}, longest {:.0}\u{b0}",
+        lengths[50], lengths[99]
+    );
+    assert!(lengths[50] < 400.0);
+}
+
+/// In steps ten times finer than the planner's, with the smallest margin there is.
+fn touches_nothing(path: &ArmPath, scene: &Scene) {
+    for pair in path.points().windows(2) {
+        let (a, b) = (pair[0].degrees(), pair[1].degrees());
+        for step in 0..=400 {
+            let share = f64::from(step) / 400.0;
+            let joints: [f64; 6] = std::array::from_fn(|i| a[i] + share * (b[i] - a[i]));
+            let joints = PendantJoints::from_degrees(joints);
+            assert!(arm().check_limits(&joints).is_ok());
+            // Thinner by the margin less 1, measured with the margin 1.
+            let thin = ArmShape::skeleton(arm(), Millimeters(89.0)).unwrap();
+            let sampling = Sampling::default();
+            let margin = Millimeters(1.0);
+            let here = transfer(arm(), &thin, scene, &joints, &joints, margin, &sampling);
+            assert!(here.is_ok(), "{}", here.unwrap_err());
+        }
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_path() {
+    let scene = Scene::try_new(&ten_obstacles()).unwrap();
+    assert_eq!(plan(&scene, 7).unwrap(), plan(&scene, 7).unwrap());
+}
+
+#[test]
+fn bad_input_is_refused_by_name() {
+    let box_of = |size: [f64; 3]| Scene::try_new(&[cuboid([0.0; 3], size)]).unwrap_err();
+    assert_eq!(
+        box_of([1.0, 0.0, 1.0]).to_string(),
+        "obstacle 1: size y is 0 mm; sizes are positive, all within 100 m"
+    );
+    assert!(matches!(
+        box_of([f64::NAN, 1.0, 1.0]),
+        ArmError::Obstacle { item: "size x", .. }
+    ));
+    let reversed = Scene::try_new(&[Obstacle::KeepOut {
+        min: [Millimeters(10.0); 3],
+        max: [Millimeters(0.0); 3],
+    }]);
+    assert!(matches!(
+        reversed,
+        Err(ArmError::Obstacle {
+            obstacle: 1,
+            item: "size x",
+            ..
+        })
+    ));
+
+    let capsule = |link: usize, radius: f64| {
+        let capsule = Capsule {
+            link,
+            from: [0.0; 3],
+            to: [0.0; 3],
+            radius,
+        };
+        ArmShape::try_new(arm(), vec![capsule]).unwrap_err()
+    };
+    assert_eq!(
+        capsule(7, 1.0),
+        ArmError::Link {
+            capsule: 1,
+            link: 7
+        }
+    );
+    assert!(matches!(
+        capsule(1, -1.0),
+        ArmError::Capsule { item: "radius", .. }
+    ));
+    assert!(matches!(
+        ArmShape::try_new(arm(), Vec::new()),
+        Err(ArmError::Capsules { .. })
+    ));
+
+    let scene = Scene::try_new(&ten_obstacles()).unwrap();
+    let (start, goal) = start_and_goal();
+    let refused = |start: PendantJoints, goal: PendantJoints, margin: f64| {
+        let (margin, sampling) = (Millimeters(margin), Sampling::default());
+        transfer(arm(), &shape(), &scene, &start, &goal, margin, &sampling).unwrap_err()
+    };
+    let beyond = PendantJoints::from_degrees([171.0, 0.0, 0.0, 0.0, -90.0, 0.0]);
+    match refused(beyond, goal, 20.0) {
+        ArmError::Limits {
+            end: "start",
+            violations,
+        } => assert_eq!(violations.worst().unwrap().joint, Axis::J1),
+        other => panic!("{other}"),
+    }
+    let nan = PendantJoints::from_degrees([0.0, f64::NAN, 0.0, 0.0, -90.0, 0.0]);
+    assert!(matches!(
+        refused(start, nan, 20.0),
+        ArmError::NotFinite { end: "goal", .. }
+    ));
+    let inside = PendantJoints::from_degrees([0.0, 20.0, -20.0, 0.0, -70.0, 0.0]);
+    assert!(matches!(
+        refused(start, inside, 20.0),
+        ArmError::Touches { end: "goal", .. }
+    ));
+    assert!(matches!(
+        refused(start, goal, f64::NAN),
+        ArmError::Margin { .. }
+    ));
+}

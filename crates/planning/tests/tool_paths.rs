@@ -1,0 +1,300 @@
+//! Lines, circles and splines: geometry by hand, limits at every sample, where a path fails.
+#![allow(
+    clippy::indexing_slicing,
+    clippy::unwrap_used,
+    clippy::wildcard_enum_match_arm,
+    reason = "the helpers of tests, too, may fail loudly"
+)]
+
+use kinematics::{ArmModel, Axis, Frames, IkError, PendantJoints, Pose, Seed, Xyzwpr};
+use planning::cartesian::{Extent, PathError, ToolError, ToolLimits, ToolMove, ToolPath};
+use units::{Degrees, Millimeters, MmPerSec, MmPerSec2, RadPerSec};
+
+const LIMITS: ToolLimits = ToolLimits {
+    speed: MmPerSec(200.0),
+    acceleration: MmPerSec2(1000.0),
+    jerk: 10_000.0,
+    turning: RadPerSec(1.0),
+};
+
+fn arm() -> &'static ArmModel {
+    ArmModel::builtin("fanuc-m20ia").unwrap()
+}
+
+fn pose(x: f64, y: f64, z: f64, wpr: [f64; 3]) -> Pose {
+    let position = [x, y, z].map(Millimeters);
+    Pose::try_from_xyzwpr(&Xyzwpr::new(position, wpr.map(Degrees))).unwrap()
+}
+
+fn down(x: f64, y: f64, z: f64) -> Pose {
+    pose(x, y, z, [180.0, 0.0, 0.0])
+}
+
+fn position(pose: &Pose) -> [f64; 3] {
+    pose.isometry().translation.vector.into()
+}
+
+fn near(a: [f64; 3], b: [f64; 3], tolerance: f64) {
+    for (a, b) in a.iter().zip(b) {
+        assert!((a - b).abs() < tolerance, "{a} {b}");
+    }
+}
+
+fn joints(at: &Pose) -> PendantJoints {
+    arm().inverse(at, Seed::Near(arm().home())).unwrap().joints
+}
+
+fn go(path: &ToolPath, limits: &ToolLimits) -> Result<ToolMove, ToolError> {
+    let start = joints(&path.pose_at(0.0).unwrap());
+    ToolMove::try_new(arm(), &Frames::default(), path, limits, &start, 0.008)
+}
+
+/// Every sample on the path, every joint within its limits, speed and acceleration.
+fn keeps_its_promises(plan: &ToolMove, path: &ToolPath) {
+    let samples = plan.samples();
+    for sample in samples {
+        assert!(arm().check_limits(&sample.joints).is_ok());
+        let (distance, angle) = arm()
+            .forward(&sample.joints)
+            .distance_to(&path.pose_at(sample.parameter).unwrap());
+        assert!(distance.0 < 1e-6 && angle.0 < 1e-8, "{distance} {angle}");
+    }
+    for joint in Axis::ALL {
+        let speeds: Vec<f64> = samples
+            .windows(2)
+            .map(|pair| (pair[1].joints.of(joint).0 - pair[0].joints.of(joint).0) / 0.008)
+            .collect();
+        for speed in &speeds {
+            assert!(speed.abs() <= arm().max_speed(joint).0);
+        }
+        for pair in speeds.windows(2) {
+            let acceleration = (pair[1] - pair[0]) / 0.008;
+            assert!(
+                acceleration.abs() <= arm().max_acceleration(joint).0,
+                "{joint}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_line_takes_the_time_of_its_profile_and_stays_straight() {
+    let path = ToolPath::line(&down(985.0, -200.0, 800.0), &down(985.0, 200.0, 800.0)).unwrap();
+    let plan = go(&path, &LIMITS).unwrap();
+    // way / v + v / a + a / j = 400 / 200 + 200 / 1000 + 1000 / 10000 = 2.3 s, in whole periods.
+    assert!(
+        (plan.duration() - 2.304).abs() < 1e-9,
+        "{}",
+        plan.duration()
+    );
+    assert!((plan.slowed() - 1.0).abs() < 1e-12 && plan.limited_by().is_none());
+    keeps_its_promises(&plan, &path);
+    for sample in plan.samples() {
+        let [x, _, z] = position(&arm().forward(&sample.joints));
+        assert!((x - 985.0).abs() < 1e-6 && (z - 800.0).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn the_orientation_turns_evenly_along_a_line() {
+    let (start, goal) = (
+        down(985.0, 0.0, 800.0),
+        pose(985.0, 0.0, 800.0, [180.0, 0.0, 60.0]),
+    );
+    let path = ToolPath::line(&start, &goal).unwrap();
+    for (part, angle) in [(0.25, 15.0), (0.5, 30.0), (1.0, 60.0)] {
+        let (distance, turned) = path.pose_at(part).unwrap().distance_to(&start);
+        assert!(distance.0 < 1e-9 && (turned.0.to_degrees() - angle).abs() < 1e-9);
+    }
+    // Turning only: 60 degrees at 1 rad/s, and v / a + a / j as above.
+    let plan = go(&path, &LIMITS).unwrap();
+    assert!((plan.duration() - (60.0_f64.to_radians() + 0.3)).abs() < 0.008);
+    keeps_its_promises(&plan, &path);
+}
+
+#[test]
+fn a_circle_goes_through_its_points() {
+    // Center (900, 0, 700), radius 100, in the plane z = 700.
+    let (a, b, c) = (
+        down(1000.0, 0.0, 700.0),
+        down(900.0, 100.0, 700.0),
+        down(800.0, 0.0, 700.0),
+    );
+    let arc = ToolPath::circle(&a, &b, &c, Extent::Arc).unwrap();
+    near(
+        position(&arc.pose_at(0.5).unwrap()),
+        [900.0, 100.0, 700.0],
+        1e-9,
+    );
+    near(
+        position(&arc.pose_at(1.0).unwrap()),
+        [800.0, 0.0, 700.0],
+        1e-9,
+    );
+    let eighth = 100.0 * 0.5_f64.sqrt();
+    near(
+        position(&arc.pose_at(0.25).unwrap()),
+        [900.0 + eighth, eighth, 700.0],
+        1e-9,
+    );
+    let around = ToolPath::circle(&a, &b, &c, Extent::WholeTurn).unwrap();
+    near(
+        position(&around.pose_at(0.75).unwrap()),
+        [900.0, -100.0, 700.0],
+        1e-9,
+    );
+    near(
+        position(&around.pose_at(1.0).unwrap()),
+        [1000.0, 0.0, 700.0],
+        1e-9,
+    );
+    let plan = go(&around, &LIMITS).unwrap();
+    // 2 pi 100 / 200 + 0.3
+    assert!((plan.duration() - (std::f64::consts::PI + 0.3)).abs() < 0.01);
+    keeps_its_promises(&plan, &around);
+}
+
+#[test]
+fn a_spline_through_points_of_a_line_is_the_line() {
+    let points = [0.0, 60.0, 200.0, 300.0].map(|y| down(985.0, y, 800.0));
+    let path = ToolPath::spline(&points).unwrap();
+    for part in [0.1, 0.2, 0.55, 0.9] {
+        near(
+            position(&path.pose_at(part).unwrap()),
+            [985.0, 300.0 * part, 800.0],
+            1e-9,
+        );
+    }
+    keeps_its_promises(&go(&path, &LIMITS).unwrap(), &path);
+}
+
+#[test]
+fn a_natural_spline_by_hand() {
+    // Knots 0, 1/2, 1 with z 0, 30, 0 over equal chords: with M0 = M2 = 0 the middle second
+    // derivative is M1 = 6 (s2 - s1) / (2 (h + h)) = 6 (-60 - 60) / 2 = -360, and at 1/4 the value
+    // is 15 - M1 (x - x^3) h^2 / 6 = 15 + 360 * 0.375 * 0.25 / 6 = 20.625.
+    let points = [
+        down(985.0, 0.0, 800.0),
+        down(985.0, 40.0, 830.0),
+        down(985.0, 80.0, 800.0),
+    ];
+    let path = ToolPath::spline(&points).unwrap();
+    near(
+        position(&path.pose_at(0.25).unwrap()),
+        [985.0, 20.0, 820.625],
+        1e-9,
+    );
+    near(
+        position(&path.pose_at(0.5).unwrap()),
+        [985.0, 40.0, 830.0],
+        1e-9,
+    );
+}
+
+#[test]
+fn joints_that_are_too_fast_slow_the_whole_move_and_say_so() {
+    let path = ToolPath::line(&down(985.0, -300.0, 800.0), &down(985.0, 300.0, 800.0)).unwrap();
+    let fast = ToolLimits {
+        speed: MmPerSec(5000.0),
+        acceleration: MmPerSec2(50_000.0),
+        jerk: 1e6,
+        turning: RadPerSec(10.0),
+    };
+    let plan = go(&path, &fast).unwrap();
+    assert!(
+        plan.slowed() > 1.5 && plan.limited_by().is_some(),
+        "{}",
+        plan.slowed()
+    );
+    keeps_its_promises(&plan, &path);
+}
+
+#[test]
+fn a_path_that_leaves_the_reach_says_where() {
+    let path = ToolPath::line(&down(1000.0, 0.0, 800.0), &down(2400.0, 0.0, 800.0)).unwrap();
+    match go(&path, &LIMITS).unwrap_err() {
+        ToolError::Unreachable {
+            parameter,
+            pose,
+            source: IkError::OutOfReach { excess, .. },
+        } => {
+            // One step of 1/200 of 1400 mm too far at most.
+            assert!(excess.0 > 0.0 && excess.0 < 7.0, "{excess}");
+            assert!((pose.x.0 - (1000.0 + 1400.0 * parameter)).abs() < 1e-6);
+        }
+        other => panic!("{other}"),
+    }
+}
+
+#[test]
+fn a_path_into_a_joint_limit_names_the_joint() {
+    // Around axis 1 beyond J1 = 170 degrees.
+    let at = |degrees: f64| {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        pose(900.0 * cos, 900.0 * sin, 700.0, [180.0, 0.0, degrees])
+    };
+    let path = ToolPath::circle(&at(100.0), &at(140.0), &at(179.0), Extent::Arc).unwrap();
+    match go(&path, &LIMITS).unwrap_err() {
+        ToolError::Unreachable {
+            parameter,
+            source: IkError::JointLimit { violations, .. },
+            ..
+        } => {
+            let worst = violations.worst().unwrap();
+            assert_eq!(worst.joint, Axis::J1);
+            assert!((parameter - 70.0 / 79.0).abs() < 0.01, "{parameter}");
+        }
+        ToolError::Jump { parameter, .. } => {
+            assert!((parameter - 70.0 / 79.0).abs() < 0.01, "{parameter}");
+        }
+        other => panic!("{other}"),
+    }
+}
+
+#[test]
+fn bad_input_is_refused_by_name() {
+    let (a, b, c) = (
+        down(900.0, 0.0, 700.0),
+        down(900.0, 50.0, 700.0),
+        down(900.0, 100.0, 700.0),
+    );
+    assert_eq!(ToolPath::line(&a, &a).unwrap_err(), PathError::NoWay);
+    assert!(matches!(
+        ToolPath::circle(&a, &b, &c, Extent::Arc),
+        Err(PathError::Straight { .. })
+    ));
+    assert!(matches!(
+        ToolPath::circle(&a, &a, &c, Extent::Arc),
+        Err(PathError::SamePoint { second: 2, .. })
+    ));
+    assert_eq!(
+        ToolPath::spline(&[a]).unwrap_err(),
+        PathError::Points { count: 1 }
+    );
+    assert_eq!(
+        ToolPath::line(&a, &pose(900.0, 50.0, 700.0, [0.0, 0.0, 0.0])).unwrap_err(),
+        PathError::HalfTurn { second: 2 }
+    );
+    let path = ToolPath::line(&a, &c).unwrap();
+    for speed in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let limits = ToolLimits {
+            speed: MmPerSec(speed),
+            ..LIMITS
+        };
+        let refused = go(&path, &limits).unwrap_err();
+        assert!(
+            matches!(refused, ToolError::Limit { item: "speed", .. }),
+            "{refused}"
+        );
+    }
+    let elsewhere = arm().home();
+    let refused = ToolMove::try_new(arm(), &Frames::default(), &path, &LIMITS, &elsewhere, 0.008)
+        .unwrap_err();
+    assert!(
+        matches!(refused, ToolError::StartElsewhere { .. }),
+        "{refused}"
+    );
+    let refused =
+        ToolMove::try_new(arm(), &Frames::default(), &path, &LIMITS, &joints(&a), 0.0).unwrap_err();
+    assert!(matches!(refused, ToolError::Period { .. }), "{refused}");
+}
