@@ -58,9 +58,11 @@ mod model_file;
 mod pose;
 mod posture;
 mod select;
+pub mod serial;
 mod singularity;
 mod trigonometry;
 mod wpr;
+mod zyz;
 
 pub use branches::{Branches, Solution};
 pub use configuration::{Configuration, ConfigurationError, Elbow, Flip, Front};
@@ -75,3 +77,4 @@ pub use pose::{Pose, PoseError};
 pub use select::Seed;
 pub use singularity::{Singularity, SingularityKind};
 pub use wpr::Xyzwpr;
+pub use zyz::{Zyz, ZyzAngles, ZyzBranch};
