@@ -1,4 +1,8 @@
 //! The model of an arm of any joints.
+#![expect(
+    clippy::indexing_slicing,
+    reason = "vectors and matrices of nalgebra, indexed within the shape they were made with"
+)]
 
 use std::sync::LazyLock;
 
@@ -339,8 +343,7 @@ impl SerialArm {
 }
 
 fn check_value(joint: &SerialJoint, value: f64) -> Result<(), SerialError> {
-    // Negated, so that NaN is refused too.
-    if !(value.abs() <= MAX_VALUE) {
+    if value.is_nan() || value.abs() > MAX_VALUE {
         return Err(SerialError::NotAValue {
             joint: joint.name.clone(),
             value,

@@ -1,4 +1,8 @@
 //! Inverse kinematics of any arm by damped least squares, inside the ranges.
+#![expect(
+    clippy::indexing_slicing,
+    reason = "vectors and matrices of nalgebra, indexed within the shape they were made with"
+)]
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
@@ -128,7 +132,7 @@ impl SerialArm {
             ("max_steps", as_number(options.max_steps)),
             ("starts", as_number(options.starts)),
         ] {
-            if !(value > 0.0) {
+            if value.is_nan() || value <= 0.0 {
                 return Err(DlsError::Option { name, value });
             }
         }

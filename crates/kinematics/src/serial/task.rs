@@ -1,4 +1,8 @@
 //! What of the flange's motion matters, and how it is made comparable.
+#![expect(
+    clippy::indexing_slicing,
+    reason = "vectors and matrices of nalgebra, indexed within the shape they were made with"
+)]
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3, Vector6};
 

@@ -1,4 +1,8 @@
 //! Joint rates of a velocity of the flange: textbook 1.4.6.
+#![expect(
+    clippy::indexing_slicing,
+    reason = "vectors and matrices of nalgebra, indexed within the shape they were made with"
+)]
 
 use nalgebra::{DMatrix, DVector, Vector3, Vector6};
 
@@ -96,8 +100,8 @@ pub struct Dexterity {
     pub manipulability: f64,
     /// The largest divided by the smallest; infinite at a singularity.
     pub condition: f64,
-    /// The task's motions that are lost here, as velocities in the world (unit vectors with lengths
-    /// as parts of the span). An arm with fewer joints than the task asks for always has some.
+    /// The task's motions that are lost here, as velocities in the world, of length 1 with lengths as
+    /// parts of the span. An arm with fewer joints than the task asks for always has some.
     pub lost: Vec<Twist>,
     /// The joint motions that do not move the task, in radians and millimeters.
     pub free: Vec<Vec<f64>>,
@@ -125,7 +129,7 @@ impl SerialArm {
         let parts = [("linear", twist.linear), ("angular", twist.angular)];
         for (name, vector) in parts {
             for &value in vector.iter() {
-                if !(value.abs() <= MAX_VELOCITY) {
+                if value.is_nan() || value.abs() > MAX_VELOCITY {
                     return Err(VelocityError::NotAVelocity {
                         name,
                         value,
@@ -217,7 +221,8 @@ impl SerialArm {
                 if u.view((0, i), (rows, 1)).norm() > 0.5 {
                     let part = |from| Vector3::from_fn(|k, _| motion[(from + k, 0)]);
                     lost.push(Twist {
-                        linear: part(0) * self.span,
+                        // The selection divides lengths by the span; its transpose does it again.
+                        linear: part(0) * (self.span * self.span),
                         angular: part(3),
                     });
                 }
