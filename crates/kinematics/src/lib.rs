@@ -40,6 +40,7 @@
     reason = "frames are part of a pose's name: X_WF is the flange F in the world W"
 )]
 
+mod batch;
 mod branches;
 mod checked;
 mod configuration;
@@ -57,6 +58,7 @@ mod model;
 mod model_file;
 mod pose;
 mod posture;
+mod reach;
 mod select;
 pub mod serial;
 mod singularity;
@@ -64,6 +66,7 @@ mod trigonometry;
 mod wpr;
 mod zyz;
 
+pub use batch::JointSets;
 pub use branches::{Branches, Solution};
 pub use configuration::{Configuration, ConfigurationError, Elbow, Flip, Front};
 pub use dh::DhLink;
@@ -74,6 +77,7 @@ pub use limits::{LimitViolation, LimitViolations, Limits};
 pub use model::ArmModel;
 pub use model_file::ModelError;
 pub use pose::{Pose, PoseError};
+pub use reach::{Reach, ReachError};
 pub use select::Seed;
 pub use singularity::{Singularity, SingularityKind};
 pub use wpr::Xyzwpr;
