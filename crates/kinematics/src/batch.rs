@@ -124,7 +124,7 @@ impl Group {
     #[cold]
     fn solve_alone(&mut self, model: &ArmModel, pose: &Pose, lane: usize, middles: &[f64; 6]) {
         let found = model.inverse_all(pose);
-        let mut solutions = found.iter().flat_map(|branches| branches.iter());
+        let mut solutions = found.iter().flatten();
         for (joints, reached) in self.joints.iter_mut().zip(&mut self.reached) {
             let solution = solutions.next();
             if let Some(reached) = reached.get_mut(lane) {

@@ -42,6 +42,7 @@
 
 mod batch;
 mod branches;
+mod calibration;
 mod checked;
 mod configuration;
 mod coupling;
@@ -68,6 +69,7 @@ mod zyz;
 
 pub use batch::JointSets;
 pub use branches::{Branches, Solution};
+pub use calibration::{CalibrationError, TipCalibration, calibrate_tip, calibrate_tool};
 pub use configuration::{Configuration, ConfigurationError, Elbow, Flip, Front};
 pub use dh::DhLink;
 pub use frames::Frames;

@@ -1,4 +1,8 @@
 //! Many poses at once give what one at a time gives.
+#![expect(
+    clippy::unwrap_used,
+    reason = "helpers of tests, where clippy.toml's exception does not reach"
+)]
 
 mod support;
 

@@ -1,5 +1,9 @@
 //! The general solver for spherical wrists against the closed form, rs-opw-kinematics (through the
 //! closed form's own comparison), random tables and singular postures.
+#![expect(
+    clippy::unwrap_used,
+    reason = "helpers of tests, where clippy.toml's exception does not reach"
+)]
 
 mod support;
 
