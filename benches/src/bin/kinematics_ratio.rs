@@ -1,11 +1,14 @@
 //! Prints how our kinematics compares with rs-opw-kinematics: `cargo run --release -p benches --bin
 //! kinematics_ratio`.
 
+use std::num::NonZeroUsize;
+
 use benches::arms::{Case, arm, cases, peer};
 use benches::compare::{Comparison, compare};
 use kinematics::Seed;
 use rs_opw_kinematics::kinematic_traits::Kinematics;
 
+// `per_pose` divides by it.
 const POSES: usize = 10_000;
 const REPEATS: usize = 31;
 
@@ -45,6 +48,45 @@ fn main() {
             |case| arm.inverse_all(&case.pose),
             |case| peer.inverse(&case.peer_pose),
         ),
+    );
+    let poses: Vec<_> = cases.iter().map(|case| case.pose).collect();
+    let peer_poses: Vec<_> = cases.iter().map(|case| case.peer_pose).collect();
+    let whole = [(poses, peer_poses)];
+    let per_pose = |all: Comparison| Comparison {
+        ours_ns: all.ours_ns / 1e4,
+        peer_ns: all.peer_ns / 1e4,
+        ratio: all.ratio,
+    };
+    row(
+        "inverse, a batch",
+        per_pose(compare(
+            &whole,
+            REPEATS,
+            |(poses, _)| {
+                arm.inverse_batch(poses, |_, sets| {
+                    let _ = std::hint::black_box(sets);
+                });
+            },
+            |(_, poses)| {
+                for pose in poses {
+                    let _ = std::hint::black_box(&peer.inverse(pose));
+                }
+            },
+        )),
+    );
+    row(
+        "reachability map, one core",
+        per_pose(compare(
+            &whole,
+            REPEATS,
+            |(poses, _)| arm.reachability(poses, NonZeroUsize::MIN),
+            |(_, poses)| {
+                poses
+                    .iter()
+                    .filter(|pose| !peer.inverse(pose).is_empty())
+                    .count()
+            },
+        )),
     );
     row(
         "inverse, nearest to home",

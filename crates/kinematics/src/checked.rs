@@ -1,4 +1,8 @@
 //! Candidates become solutions if the forward kinematics agrees.
+#![expect(
+    clippy::inline_always,
+    reason = "a function with AVX2 is made of what is inlined into it, and a call a lane would undo the point of lanes"
+)]
 
 use std::f64::consts::TAU;
 
@@ -39,7 +43,7 @@ pub(crate) struct Wrists {
 }
 
 /// Adds the postures whose joints, as they are returned, put the flange at `X_WF`.
-#[inline]
+#[inline(always)]
 pub(crate) fn push_checked(
     model: &ArmModel,
     X_WF: &Pose,
@@ -49,7 +53,16 @@ pub(crate) fn push_checked(
 ) {
     let g = &model.geometry;
     let [q1, q2, q3] = postures.arm;
-    let mut checked_arm = None;
+    // The same J1, J2 and J3 carry both wrists.
+    let [.., q5, q6] = wrists[0].wrist;
+    let shown = on_shown_turns(
+        model,
+        model
+            .coupling
+            .pendant(&[q1, q2, q3, wrists[0].wrist[0], q5, q6]),
+    );
+    let [c1, c2, c3, ..] = model.coupling.chain(&shown);
+    let arm = Arm::of(g, c1, c2, c3);
     for &Wrists {
         wrist: [q4, q5, q6],
         sin_q5,
@@ -57,16 +70,15 @@ pub(crate) fn push_checked(
     } in wrists
     {
         let joints = on_shown_turns(model, model.coupling.pendant(&[q1, q2, q3, q4, q5, q6]));
-        let [q1, q2, q3, q4, q5, q6] = model.coupling.chain(&joints);
-        // The same J1, J2 and J3 carry both wrists.
-        let arm = checked_arm.get_or_insert_with(|| Arm::of(g, q1, q2, q3));
-        let reaches = reaches(X_WF, &Flange::of(g, arm, &Wrist::of(g, q4, q5, q6)));
+        let [.., q4, q5, q6] = model.coupling.chain(&joints);
+        let reaches = reaches(X_WF, &Flange::of(g, &arm, &Wrist::of(g, q4, q5, q6)));
         let signs = [sin_q5, postures.front, postures.elbow];
         push(model, &joints, &signs, both(wanted, reaches), branches);
     }
 }
 
 /// Lane by lane.
+#[inline(always)]
 pub(crate) fn both(mut these: [bool; 4], those: [bool; 4]) -> [bool; 4] {
     for (this, that) in these.iter_mut().zip(those) {
         *this &= that;
@@ -75,7 +87,7 @@ pub(crate) fn both(mut these: [bool; 4], those: [bool; 4]) -> [bool; 4] {
 }
 
 /// The lanes that are `wanted`, with all there is to know about them.
-#[inline]
+#[inline(always)]
 fn push(
     model: &ArmModel,
     joints: &[Lanes<4>; 6],
@@ -103,7 +115,7 @@ fn push(
 }
 
 /// Is the flange at `X_WF`? A NaN is nowhere.
-#[inline]
+#[inline(always)]
 fn reaches(X_WF: &Pose, flange: &Flange<4>) -> [bool; 4] {
     let isometry = X_WF.isometry();
     let (p, q) = (isometry.translation.vector, isometry.rotation.coords);
@@ -129,7 +141,7 @@ fn reaches(X_WF: &Pose, flange: &Flange<4>) -> [bool; 4] {
 
 /// J1, J2, J3 on the turn nearest to the middle of their range, J4, J5, J6 on the one nearest to
 /// zero.
-#[inline]
+#[inline(always)]
 fn on_shown_turns(model: &ArmModel, joints: [Lanes<4>; 6]) -> [Lanes<4>; 6] {
     // Adding and subtracting it rounds to a whole number.
     const ROUND: f64 = 6_755_399_441_055_744.0;
@@ -143,7 +155,7 @@ fn on_shown_turns(model: &ArmModel, joints: [Lanes<4>; 6]) -> [Lanes<4>; 6] {
 }
 
 /// The distances to the nearest limits, in degrees.
-#[inline]
+#[inline(always)]
 fn margins(model: &ArmModel, joints: &[Lanes<4>; 6]) -> [Lanes<4>; 6] {
     let mut margins = *joints;
     for (margin, axis) in margins.iter_mut().zip(Axis::ALL) {

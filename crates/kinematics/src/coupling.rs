@@ -1,4 +1,8 @@
 //! From the pendant's joints to the chain's and back.
+#![expect(
+    clippy::inline_always,
+    reason = "a function with AVX2 is made of what is inlined into it, and a call a lane would undo the point of lanes"
+)]
 
 use units::Degrees;
 
@@ -16,7 +20,7 @@ pub(crate) struct Coupling {
 }
 
 impl Coupling {
-    #[inline]
+    #[inline(always)]
     pub(crate) fn chain<const N: usize>(
         &self,
         &[j1, j2, j3, j4, j5, j6]: &[Lanes<N>; 6],
@@ -39,7 +43,7 @@ impl Coupling {
     }
 
     /// The inverse of [`Self::chain`]. The signs are 1 or -1, so multiplying divides.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn pendant<const N: usize>(
         &self,
         &[q1, q2, q3, q4, q5, q6]: &[Lanes<N>; 6],

@@ -1,5 +1,9 @@
 //! Forward kinematics: the flange's pose of the chain's joints, for one set of joints or for
 //! several side by side.
+#![expect(
+    clippy::inline_always,
+    reason = "a function with AVX2 is made of what is inlined into it, and a call a lane would undo the point of lanes"
+)]
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
@@ -10,6 +14,7 @@ use crate::pose::Pose;
 use crate::trigonometry::sin_cos;
 
 /// `X_WF` of the chain's joints.
+#[multiversion::multiversion(targets("x86_64+avx2+fma"))]
 pub(crate) fn flange(geometry: &Geometry, joints: &ChainJoints) -> Pose {
     let [q1, q2, q3, q4, q5, q6] = joints.radians().map(|q| Lanes([q]));
     // One call for six angles, instead of six calls for one.
@@ -46,20 +51,20 @@ pub(crate) struct Arm<const N: usize> {
 
 impl<const N: usize> Arm<N> {
     /// Of the chain's first three joints.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn of(g: &Geometry, q1: Lanes<N>, q2: Lanes<N>, q3: Lanes<N>) -> Self {
         let [a, b, c] = Self::angles(q1, q2, q3);
         Self::compose(g, sin_cos(a), sin_cos(b), sin_cos(c))
     }
 
     /// The angles whose sines and cosines are needed.
-    #[inline]
+    #[inline(always)]
     fn angles(q1: Lanes<N>, q2: Lanes<N>, q3: Lanes<N>) -> [Lanes<N>; 3] {
         let q23 = q2 + q3;
         [q2, (q1 + q23) * 0.5, (q1 - q23) * 0.5]
     }
 
-    #[inline]
+    #[inline(always)]
     fn compose(g: &Geometry, (s2, c2): Turn<N>, (sp, cp): Turn<N>, (sm, cm): Turn<N>) -> Self {
         let (s1, c1) = (sp * cm + cp * sm, cp * cm - sp * sm);
         let (s23, c23) = (sp * cm - cp * sm, cp * cm + sp * sm);
@@ -86,19 +91,19 @@ pub(crate) struct Wrist<const N: usize> {
 
 impl<const N: usize> Wrist<N> {
     /// Of the chain's last three joints.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn of(g: &Geometry, q4: Lanes<N>, q5: Lanes<N>, q6: Lanes<N>) -> Self {
         let [a, b, c] = Self::angles(q4, q5, q6);
         Self::compose(g, sin_cos(a), sin_cos(b), sin_cos(c))
     }
 
     /// The angles whose sines and cosines are needed.
-    #[inline]
+    #[inline(always)]
     fn angles(q4: Lanes<N>, q5: Lanes<N>, q6: Lanes<N>) -> [Lanes<N>; 3] {
         [(q4 + q5) * 0.5, (q4 - q5) * 0.5, q6 * 0.5]
     }
 
-    #[inline]
+    #[inline(always)]
     fn compose(g: &Geometry, (sp, cp): Turn<N>, (sm, cm): Turn<N>, (s6, c6): Turn<N>) -> Self {
         let [w, x, y, z] = twisted([cp, cm * g.s4, sm * g.s4, sp], g.s5);
         Self {
@@ -120,7 +125,7 @@ pub(crate) struct Flange<const N: usize> {
 }
 
 impl<const N: usize> Flange<N> {
-    #[inline]
+    #[inline(always)]
     pub(crate) fn of(g: &Geometry, arm: &Arm<N>, wrist: &Wrist<N>) -> Self {
         let [w, x, y, z] = product(arm.rotation, wrist.rotation);
         // Four factors of 1 / sqrt 2 were left out.
@@ -140,13 +145,13 @@ impl<const N: usize> Flange<N> {
 }
 
 /// A quaternion times `1 + sine * i`: a twist of ±90 degrees about X, but for the length.
-#[inline]
+#[inline(always)]
 fn twisted<const N: usize>([w, x, y, z]: [Lanes<N>; 4], sine: f64) -> [Lanes<N>; 4] {
     [w - x * sine, x + w * sine, y + z * sine, z - y * sine]
 }
 
 /// The product of two quaternions, real part first.
-#[inline]
+#[inline(always)]
 fn product<const N: usize>(
     [aw, ax, ay, az]: [Lanes<N>; 4],
     [bw, bx, by, bz]: [Lanes<N>; 4],

@@ -4,6 +4,10 @@
 //! plane towards it, or away from it; in the plane upper arm and forearm reach it with the elbow on
 //! either side; the wrist makes up for the rotation in two ways. The first two choices are the four
 //! lanes: front up, front down, back up, back down.
+#![expect(
+    clippy::inline_always,
+    reason = "a function with AVX2 is made of what is inlined into it, and a call a lane would undo the point of lanes"
+)]
 
 use std::f64::consts::{PI, TAU};
 
@@ -30,6 +34,7 @@ type Turn = (Lanes<4>, Lanes<4>);
 
 /// Puts every branch that reaches `X_WF` into `branches`, which is empty. Joints that a singularity
 /// leaves free stay near `reference`.
+#[multiversion::multiversion(targets("x86_64+avx2+fma"))]
 pub(crate) fn collect(
     model: &ArmModel,
     X_WF: &Pose,
@@ -73,7 +78,7 @@ pub(crate) fn collect(
     }
 }
 
-#[inline]
+#[inline(always)]
 fn angle((sine, cosine): Turn) -> Lanes<4> {
     atan2(sine, cosine)
 }
@@ -87,7 +92,7 @@ struct Base {
 
 impl Base {
     /// Front, then back.
-    #[inline]
+    #[inline(always)]
     fn of(g: &Geometry, p_WC: &Vector3<f64>, free_q1: f64) -> Result<Self, IkError> {
         // The plane of the arm passes axis 1 at this distance.
         let lateral = -g.s1 * g.lateral;
@@ -140,7 +145,7 @@ struct Elbow {
 
 impl Elbow {
     /// Up and down on either side: the circles about shoulder and wrist center meet in two points.
-    #[inline]
+    #[inline(always)]
     fn of(g: &Geometry, base: &Base, z: f64, free_q2: f64) -> Self {
         let (u, v) = (base.front - g.a1, Lanes::all(g.s1 * (z - g.d1)));
         let distance = (u * u + v * v).sqrt();
@@ -161,7 +166,7 @@ impl Elbow {
             bend * per_distance * (g.s1 * g.forearm),
             (distance * distance + (g.a2 - g.forearm) * longest) * per_distance * (0.5 / g.a2),
         );
-        let folded = distance.0.map(|distance| distance == 0.0);
+        let folded = distance.test(|distance| distance == 0.0);
         if folded != [false; 4] {
             // The arm is folded onto its shoulder, and every q2 will do.
             let (s2, c2) = free_q2.sin_cos();
@@ -182,7 +187,7 @@ impl Elbow {
             sine_of_way * g.forearm_cos - cosine * g.forearm_sin,
             cosine * g.forearm_cos + sine_of_way * g.forearm_sin,
         );
-        let [front_two, _, back_two, _] = sine.0.map(|sine| sine >= Posture::SINGULAR_SINE);
+        let [front_two, _, back_two, _] = sine.test(|sine| sine >= Posture::SINGULAR_SINE);
         // Stretched or folded, up and down are one.
         let wanted = [true, front_two, true, back_two];
         Self {
@@ -203,7 +208,7 @@ struct Wrist {
 }
 
 impl Wrist {
-    #[inline]
+    #[inline(always)]
     fn of(
         model: &ArmModel,
         base: &Base,
@@ -229,7 +234,7 @@ impl Wrist {
         let sine = (x * x + y * y).sqrt();
         let scale = sine.recip() * (model.no_flip_sign * g.s5);
         let mut q4 = (y * scale, x * scale);
-        let in_line = sine.0.map(|sine| sine < Posture::SINGULAR_WRIST);
+        let in_line = sine.test(|sine| sine < Posture::SINGULAR_WRIST);
         if in_line != [false; 4] {
             let shared = share(model, &rotation, near);
             q4 = (
@@ -242,14 +247,14 @@ impl Wrist {
             q4,
             q5,
             q6,
-            has_flip: in_line.map(|in_line| !in_line),
+            has_flip: sine.test(|sine| sine >= Posture::SINGULAR_WRIST),
         }
     }
 }
 
 /// q5 and q6 at a given q4: what is left of the wrist's rotation, so that an error of q4 is made
 /// good by q6.
-#[inline]
+#[inline(always)]
 fn rest_of_wrist(g: &Geometry, columns: &[[Lanes<4>; 3]; 3], (s4, c4): Turn) -> (Turn, Turn) {
     let [[x1, y1, _], [x2, y2, _], [x3, y3, z3]] = *columns;
     let t = -g.s4 * g.s5;

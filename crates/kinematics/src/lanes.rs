@@ -4,6 +4,10 @@
 //! Plain arrays and loops of a fixed length, which the compiler turns into vector instructions.
 //! There are no branches: what a posture does not have is computed all the same and discarded at
 //! the end.
+#![expect(
+    clippy::inline_always,
+    reason = "a function with AVX2 is made of what is inlined into it, and a call a lane would undo the point of lanes"
+)]
 
 use std::ops::{Add, Mul, Neg, Sub};
 
@@ -14,25 +18,31 @@ pub(crate) struct Lanes<const N: usize>(pub(crate) [f64; N]);
 
 impl<const N: usize> Lanes<N> {
     /// The same number in every lane.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn all(value: f64) -> Self {
         Self([value; N])
     }
 
     #[inline(always)]
-    #[expect(
-        clippy::inline_always,
-        reason = "a call a lane would undo the point of lanes"
-    )]
-    pub(crate) fn map(self, f: impl Fn(f64) -> f64) -> Self {
-        Self(self.0.map(f))
+    pub(crate) fn map(mut self, f: impl Fn(f64) -> f64) -> Self {
+        // Not the array's own `map`, which is not always inlined.
+        for a in &mut self.0 {
+            *a = f(*a);
+        }
+        self
+    }
+
+    /// Which lanes are so.
+    #[inline(always)]
+    pub(crate) fn test(self, f: impl Fn(f64) -> bool) -> [bool; N] {
+        let mut which = [false; N];
+        for (which, a) in which.iter_mut().zip(self.0) {
+            *which = f(a);
+        }
+        which
     }
 
     #[inline(always)]
-    #[expect(
-        clippy::inline_always,
-        reason = "a call a lane would undo the point of lanes"
-    )]
     pub(crate) fn zip(mut self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
         for (a, b) in self.0.iter_mut().zip(other.0) {
             *a = f(*a, b);
@@ -41,7 +51,7 @@ impl<const N: usize> Lanes<N> {
     }
 
     /// With the lanes that are `which` taken from `other`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn replaced(mut self, which: [bool; N], other: Self) -> Self {
         for ((lane, which), other) in self.0.iter_mut().zip(which).zip(other.0) {
             if which {
@@ -51,13 +61,13 @@ impl<const N: usize> Lanes<N> {
         self
     }
 
-    #[inline]
+    #[inline(always)]
     pub(crate) fn sqrt(self) -> Self {
         self.map(f64::sqrt)
     }
 
     /// `1 / self`
-    #[inline]
+    #[inline(always)]
     pub(crate) fn recip(self) -> Self {
         self.map(|a| 1.0 / a)
     }
@@ -65,7 +75,7 @@ impl<const N: usize> Lanes<N> {
 
 impl<const N: usize> Add for Lanes<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn add(self, other: Self) -> Self {
         self.zip(other, |a, b| a + b)
     }
@@ -73,7 +83,7 @@ impl<const N: usize> Add for Lanes<N> {
 
 impl<const N: usize> Sub for Lanes<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn sub(self, other: Self) -> Self {
         self.zip(other, |a, b| a - b)
     }
@@ -81,7 +91,7 @@ impl<const N: usize> Sub for Lanes<N> {
 
 impl<const N: usize> Mul for Lanes<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn mul(self, other: Self) -> Self {
         self.zip(other, |a, b| a * b)
     }
@@ -89,7 +99,7 @@ impl<const N: usize> Mul for Lanes<N> {
 
 impl<const N: usize> Neg for Lanes<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn neg(self) -> Self {
         self.map(|a| -a)
     }
@@ -98,7 +108,7 @@ impl<const N: usize> Neg for Lanes<N> {
 /// A number is the same in every lane.
 impl<const N: usize> Add<f64> for Lanes<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn add(self, other: f64) -> Self {
         self.map(|a| a + other)
     }
@@ -106,7 +116,7 @@ impl<const N: usize> Add<f64> for Lanes<N> {
 
 impl<const N: usize> Sub<f64> for Lanes<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn sub(self, other: f64) -> Self {
         self.map(|a| a - other)
     }
@@ -114,24 +124,28 @@ impl<const N: usize> Sub<f64> for Lanes<N> {
 
 impl<const N: usize> Mul<f64> for Lanes<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn mul(self, other: f64) -> Self {
         self.map(|a| a * other)
     }
 }
 
 /// Rows become columns: what belongs to one lane, side by side.
-#[inline]
+#[inline(always)]
 pub(crate) fn transpose<const ROWS: usize, const N: usize>(
     rows: &[Lanes<N>; ROWS],
 ) -> [[f64; ROWS]; N] {
     let mut columns = [[0.0; ROWS]; N];
-    for (index, row) in rows.iter().enumerate() {
-        for (column, value) in columns.iter_mut().zip(row.0) {
-            if let Some(cell) = column.get_mut(index) {
-                *cell = value;
+    let mut index = 0;
+    while index < ROWS {
+        if let Some(row) = rows.get(index) {
+            for (column, value) in columns.iter_mut().zip(row.0) {
+                if let Some(cell) = column.get_mut(index) {
+                    *cell = value;
+                }
             }
         }
+        index += 1;
     }
     columns
 }

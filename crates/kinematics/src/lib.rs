@@ -40,7 +40,9 @@
     reason = "frames are part of a pose's name: X_WF is the flange F in the world W"
 )]
 
+mod batch;
 mod branches;
+mod calibration;
 mod checked;
 mod configuration;
 mod coupling;
@@ -57,12 +59,17 @@ mod model;
 mod model_file;
 mod pose;
 mod posture;
+mod reach;
 mod select;
+pub mod serial;
 mod singularity;
 mod trigonometry;
 mod wpr;
+mod zyz;
 
+pub use batch::JointSets;
 pub use branches::{Branches, Solution};
+pub use calibration::{CalibrationError, TipCalibration, calibrate_tip, calibrate_tool};
 pub use configuration::{Configuration, ConfigurationError, Elbow, Flip, Front};
 pub use dh::DhLink;
 pub use frames::Frames;
@@ -72,6 +79,8 @@ pub use limits::{LimitViolation, LimitViolations, Limits};
 pub use model::ArmModel;
 pub use model_file::ModelError;
 pub use pose::{Pose, PoseError};
+pub use reach::{Reach, ReachError};
 pub use select::Seed;
 pub use singularity::{Singularity, SingularityKind};
 pub use wpr::Xyzwpr;
+pub use zyz::{Zyz, ZyzAngles, ZyzBranch};

@@ -26,6 +26,11 @@ static FANUC_M20IA: LazyLock<ArmModel> = LazyLock::new(|| {
         .expect("the built-in model files are valid: a test reads them")
 });
 
+static FANUC_M20IA_MACHINE: LazyLock<ArmModel> = LazyLock::new(|| {
+    ArmModel::from_toml(include_str!("../models/fanuc_m20ia_machine.toml"))
+        .expect("the built-in model files are valid: a test reads them")
+});
+
 /// A six-axis arm with an ortho-parallel basis and a spherical wrist, out of a model file.
 #[derive(Clone, Debug)]
 pub struct ArmModel {
@@ -59,6 +64,7 @@ impl ArmModel {
     pub fn builtin(name: &str) -> Option<&'static ArmModel> {
         match name {
             "fanuc-m20ia" => Some(&FANUC_M20IA),
+            "fanuc-m20ia-machine" => Some(&FANUC_M20IA_MACHINE),
             _ => None,
         }
     }
@@ -66,7 +72,7 @@ impl ArmModel {
     /// The models that come with this crate.
     #[must_use]
     pub fn builtin_names() -> &'static [&'static str] {
-        &["fanuc-m20ia"]
+        &["fanuc-m20ia", "fanuc-m20ia-machine"]
     }
 
     /// As in the file, `fanuc-m20ia`.

@@ -3,6 +3,10 @@
 //! The standard library's are as exact, but one call an angle, and the kinematics is mostly angles.
 //! The polynomials interpolate at the Chebyshev nodes of the reduced range, computed with 50
 //! digits; each is off by less than 2e-17 before rounding. Tests compare with the standard library.
+#![expect(
+    clippy::inline_always,
+    reason = "a function with AVX2 is made of what is inlined into it, and a call a lane would undo the point of lanes"
+)]
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -58,7 +62,7 @@ const ARC_TANGENT: [f64; 11] = [
 const TAN_PI_8: f64 = 0.414_213_562_373_095_03;
 
 /// Sine and cosine of each lane.
-#[inline]
+#[inline(always)]
 pub(crate) fn sin_cos<const N: usize>(angles: Lanes<N>) -> (Lanes<N>, Lanes<N>) {
     // A NaN is not below the bound either.
     if angles.0.iter().all(|angle| angle.abs() < MAX_ANGLE) {
@@ -69,10 +73,6 @@ pub(crate) fn sin_cos<const N: usize>(angles: Lanes<N>) -> (Lanes<N>, Lanes<N>) 
 }
 
 #[inline(always)]
-#[expect(
-    clippy::inline_always,
-    reason = "the lanes of the caller are to stay in registers"
-)]
 fn sin_cos_reduced<const N: usize>(angles: Lanes<N>) -> (Lanes<N>, Lanes<N>) {
     let shifted = angles.map(|angle| angle * FRAC_2_PI + ROUND);
     let quarters = shifted - ROUND;
@@ -85,8 +85,8 @@ fn sin_cos_reduced<const N: usize>(angles: Lanes<N>) -> (Lanes<N>, Lanes<N>) {
     let cosine = one_minus_half
         + (one_minus_half.map(|rounded| 1.0 - rounded) - half + z * z * polynomial(z, &COSINE));
     let mut result = (sine, cosine);
-    let quadrants = shifted.0.map(f64::to_bits);
-    for ((s, c), quadrant) in result.0.0.iter_mut().zip(&mut result.1.0).zip(quadrants) {
+    for ((s, c), shifted) in result.0.0.iter_mut().zip(&mut result.1.0).zip(shifted.0) {
+        let quadrant = shifted.to_bits();
         // Odd quarter turns exchange sine and cosine; the second bit is their sign. All without a
         // branch.
         let exchange = (quadrant & 1).wrapping_neg();
@@ -103,10 +103,6 @@ fn sin_cos_reduced<const N: usize>(angles: Lanes<N>) -> (Lanes<N>, Lanes<N>) {
 /// The angle of each lane's direction, from -pi to pi; the length does not matter. 0 if there is no
 /// direction.
 #[inline(always)]
-#[expect(
-    clippy::inline_always,
-    reason = "the lanes of the caller are to stay in registers"
-)]
 pub(crate) fn atan2<const N: usize>(y: Lanes<N>, x: Lanes<N>) -> Lanes<N> {
     let (tall, wide) = (y.map(f64::abs), x.map(f64::abs));
     let small = tall.zip(wide, |a, b| if a < b { a } else { b });
@@ -128,10 +124,6 @@ pub(crate) fn atan2<const N: usize>(y: Lanes<N>, x: Lanes<N>) -> Lanes<N> {
 
 /// By Horner.
 #[inline(always)]
-#[expect(
-    clippy::inline_always,
-    reason = "the lanes of the caller are to stay in registers"
-)]
 fn polynomial<const N: usize, const TERMS: usize>(z: Lanes<N>, terms: &[f64; TERMS]) -> Lanes<N> {
     terms
         .iter()
