@@ -45,10 +45,10 @@ impl Cell {
                 origin,
                 items,
             } => {
-                self.book.created += 1;
+                self.book.jobs_created += 1;
                 let new = Job {
                     id: *job,
-                    number: self.book.created,
+                    number: self.book.jobs_created,
                     spec: (**spec).clone(),
                     trigger: trigger.clone(),
                     origin: origin.clone(),
@@ -219,10 +219,10 @@ impl Cell {
                 job,
                 mobile_robot,
             } => {
-                self.book.created += 1;
+                self.book.sessions_created += 1;
                 let new = Session {
                     id: *session,
-                    number: self.book.created,
+                    number: self.book.sessions_created,
                     point: point.clone(),
                     job: *job,
                     mobile_robot: mobile_robot.clone(),
@@ -380,9 +380,9 @@ impl Cell {
                 }
             }
             Fact::Asked { question } => {
-                self.book.created += 1;
+                self.book.questions_asked += 1;
                 let new = Intervention {
-                    number: self.book.created,
+                    number: self.book.questions_asked,
                     question: (**question).clone(),
                     decided: None,
                     withdrawn: None,

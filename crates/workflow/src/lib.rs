@@ -57,6 +57,7 @@ mod session_run;
 mod setup;
 mod signal;
 mod signals_in;
+mod snapshot;
 mod supervise;
 mod timers;
 mod timers_in;
@@ -91,4 +92,5 @@ pub use signal::{
     InstantAction, Message, MobileError, MobileMode, MobileState, OutMessage, Signal, SignalAnswer,
     SignalKind, SlotLoad,
 };
+pub use snapshot::Snapshot;
 pub use timers::{Running, TimerKey, Timers};

@@ -9,8 +9,9 @@ use workflow::Setup;
 
 use super::arm::ArmPort;
 use super::clock::CellClock;
-use super::driver::{Driver, Recovered};
+use super::driver::Driver;
 use super::handle::CellHandle;
+use super::recovered::Recovered;
 use crate::clock::{SystemClock, WallClock};
 use crate::journal::SharedJournal;
 

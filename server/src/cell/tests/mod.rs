@@ -3,6 +3,7 @@
 mod full_disk;
 mod hand_over;
 mod push;
+mod snapshots;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -21,7 +22,7 @@ use super::arm::{ArmPort, Later, Operation};
 use super::handle::Refused;
 use super::{CellHandle, Outboxes, testing};
 use crate::config::{CellSection, Plan, RobotSection, ServerSection, SetupSource};
-use crate::journal::SharedJournal;
+use crate::journal::{SharedJournal, Upkeep};
 use crate::setup::SetupBook;
 
 const DEMO: &str = include_str!("../../../../cell/demo.setup.toml");
@@ -72,6 +73,10 @@ struct World {
 }
 
 fn opened(disk: &MemoryDisk) -> SharedJournal {
+    opened_with(disk, Upkeep::default())
+}
+
+fn opened_with(disk: &MemoryDisk, upkeep: Upkeep) -> SharedJournal {
     let opening = Opening {
         at: Clocks {
             wall: jiff::Timestamp::now(),
@@ -80,7 +85,7 @@ fn opened(disk: &MemoryDisk) -> SharedJournal {
         program: "test".into(),
         keys: KeyRetention::default(),
     };
-    SharedJournal::durable(MemoryJournal::open(disk, &opening).unwrap())
+    SharedJournal::durable_with(MemoryJournal::open(disk, &opening).unwrap(), upkeep)
 }
 
 fn book() -> Arc<SetupBook> {
@@ -100,6 +105,10 @@ fn book() -> Arc<SetupBook> {
 impl World {
     /// On what a disk has.
     async fn on(disk: &MemoryDisk) -> Self {
+        Self::on_journal(&opened(disk)).await
+    }
+
+    async fn on_journal(journal: &SharedJournal) -> Self {
         let seen = ArmSeen {
             arm: "r1".to_owned(),
             link: true,
@@ -113,7 +122,7 @@ impl World {
         };
         let arm: Arc<dyn ArmPort> = Arc::new(Willing(watch::Sender::new(seen)));
         let arms = BTreeMap::from([("r1".to_owned(), arm)]);
-        let work = testing::handle(&opened(disk), arms).await;
+        let work = testing::handle(journal, arms).await;
         let setup = book();
         let wanted = setup.current().setup.for_workflows();
         let _changed = work
