@@ -237,7 +237,10 @@ impl Work<'_> {
                 let text = reason.as_str();
                 let _reply = self.command(job.id, crate::Command::Abort, principal, text)?;
             }
-            Answer::Resume | Answer::Replan => self.go_on_by_hand(job, question, &why, &reason),
+            Answer::Resume | Answer::Replan => {
+                self.accept_definition(job);
+                self.go_on_by_hand(job, question, &why, &reason);
+            }
             Answer::Retreat => {
                 self.put_steps_back(job);
                 if let Some(job) = self.job(job.id) {

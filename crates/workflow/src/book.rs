@@ -86,6 +86,9 @@ pub(crate) struct Book {
     pub ops: BTreeMap<Uuid, Op>,
     pub mobiles: BTreeMap<String, Arc<Mobile>>,
     pub custody: Arc<Custody>,
+    /// Loads that left the cell, the oldest first; those that came back since are passed over.
+    #[serde(default)]
+    pub delivered: VecDeque<String>,
     pub claims: Claims,
     pub interventions: BTreeMap<Uuid, Arc<Intervention>>,
 }

@@ -5,6 +5,7 @@ use std::cmp::Reverse;
 use crate::cell::Cell;
 use crate::claims::{Holder, Resource};
 use crate::custody::Location;
+use crate::definition::Definition;
 use crate::fact::Fact;
 use crate::job::params::Workflow;
 use crate::job::plan::plan;
@@ -78,6 +79,7 @@ impl Work<'_> {
             job: job.id,
             steps: plan(&job.spec, &job.items),
             drop: Vec::new(),
+            definition: Some(Definition::of(job.spec.workflow)),
         });
         self.go(job.id, JobState::Starting, Why::Course, "");
         if let Some(job) = self.job(job.id) {

@@ -20,7 +20,15 @@ pub(crate) async fn handle(
     journal: &SharedJournal,
     arms: BTreeMap<String, Arc<dyn ArmPort>>,
 ) -> CellHandle {
-    let wall: Arc<dyn WallClock> = Arc::new(SystemClock);
+    handle_at(journal, arms, Arc::new(SystemClock)).await
+}
+
+/// The same by another clock.
+pub(crate) async fn handle_at(
+    journal: &SharedJournal,
+    arms: BTreeMap<String, Arc<dyn ArmPort>>,
+    wall: Arc<dyn WallClock>,
+) -> CellHandle {
     let recovered = Recovered::read("c1", Setup::default(), journal, wall.now())
         .await
         .unwrap();

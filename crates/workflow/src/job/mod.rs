@@ -227,6 +227,9 @@ pub(crate) struct Job {
     pub trigger: Option<String>,
     /// The signal that fired it: mobile robot, boot, number.
     pub origin: Option<String>,
+    /// What its plan was made by; `None`: by a program that did not say so.
+    #[serde(default)]
+    pub definition: Option<crate::definition::Definition>,
     pub state: JobState,
     pub why: Why,
     pub text: String,

@@ -1,5 +1,6 @@
 //! A cell with the demo's set-up, an arm that does at once what it is told, and a mobile robot that a test speaks for.
 
+mod clock;
 mod full_disk;
 mod hand_over;
 mod push;
@@ -21,6 +22,7 @@ use workflow::{
 use super::arm::{ArmPort, Later, Operation};
 use super::handle::Refused;
 use super::{CellHandle, Outboxes, testing};
+use crate::clock::{SystemClock, WallClock};
 use crate::config::{CellSection, Plan, RobotSection, ServerSection, SetupSource};
 use crate::journal::{SharedJournal, Upkeep};
 use crate::setup::SetupBook;
@@ -109,6 +111,10 @@ impl World {
     }
 
     async fn on_journal(journal: &SharedJournal) -> Self {
+        Self::at(journal, Arc::new(SystemClock)).await
+    }
+
+    async fn at(journal: &SharedJournal, wall: Arc<dyn WallClock>) -> Self {
         let seen = ArmSeen {
             arm: "r1".to_owned(),
             link: true,
@@ -122,7 +128,7 @@ impl World {
         };
         let arm: Arc<dyn ArmPort> = Arc::new(Willing(watch::Sender::new(seen)));
         let arms = BTreeMap::from([("r1".to_owned(), arm)]);
-        let work = testing::handle(journal, arms).await;
+        let work = testing::handle_at(journal, arms, wall).await;
         let setup = book();
         let wanted = setup.current().setup.for_workflows();
         let _changed = work
