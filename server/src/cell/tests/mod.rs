@@ -69,6 +69,8 @@ impl ArmPort for Willing {
 
 struct World {
     work: CellHandle,
+    /// What is seen of the arm.
+    arm: watch::Sender<ArmSeen>,
     outboxes: Outboxes,
     seq: u64,
     state: MobileState,
@@ -126,7 +128,8 @@ impl World {
             zones: Vec::new(),
             part_present: None,
         };
-        let arm: Arc<dyn ArmPort> = Arc::new(Willing(watch::Sender::new(seen)));
+        let seen = watch::Sender::new(seen);
+        let arm: Arc<dyn ArmPort> = Arc::new(Willing(seen.clone()));
         let arms = BTreeMap::from([("r1".to_owned(), arm)]);
         let work = testing::handle_at(journal, arms, wall).await;
         let setup = book();
@@ -142,6 +145,7 @@ impl World {
         let outboxes = Outboxes::new(work.clone(), setup);
         Self {
             work,
+            arm: seen,
             outboxes,
             seq: 0,
             state: MobileState {

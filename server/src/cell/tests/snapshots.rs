@@ -58,6 +58,11 @@ async fn recovered(journal: &SharedJournal) -> Result<Recovered, StartError> {
 
 /// A cell with a job under way, a snapshot, and decisions behind it; and its journal, which is closed.
 async fn history(disk: &MemoryDisk) -> (SharedJournal, Arc<workflow::Cell>) {
+    let (journal, world) = at_work(disk).await;
+    (journal, world.work.view())
+}
+
+async fn at_work(disk: &MemoryDisk) -> (SharedJournal, World) {
     let journal = opened_with(disk, upkeep());
     let mut world = World::on_journal(&journal).await;
     world.reports(AFTER).await;
@@ -66,8 +71,7 @@ async fn history(disk: &MemoryDisk) -> (SharedJournal, Arc<workflow::Cell>) {
     world.says(SignalKind::MrAssigned, order.session).await;
     let _snapshot = whole(&journal).await;
     world.reports(5).await;
-    let view = world.work.view();
-    (journal, view)
+    (journal, world)
 }
 
 #[tokio::test]
@@ -225,9 +229,8 @@ async fn r6_a_power_loss_between_writing_out_and_removing_loses_nothing() {
 #[tokio::test]
 async fn r6_nothing_is_removed_behind_a_snapshot_that_cannot_be_read() {
     let disk = MemoryDisk::new();
-    let (journal, _before) = history(&disk).await;
+    let (journal, world) = at_work(&disk).await;
     replace(&journal, 1_000_000, "{}").await;
-    let world = World::on_journal(&journal).await;
     let retaining = retaining(&journal, &world, 31);
     let refused = retaining.once(&retention(None)).await.unwrap_err();
     assert!(refused.to_string().contains("format"), "{refused}");

@@ -129,7 +129,7 @@ fn a_trigger_whose_places_no_arm_was_taught_is_warned_of() {
     };
     assert_eq!(said(&text()), None);
     let mut file = file(&text());
-    file.taught
+    file.taught_poses
         .retain(|taught| taught.place != "rack/d" || taught.arm != "r1");
     let untaught = write_setup(&file, Form::Toml);
     let found = said(&untaught).unwrap();
