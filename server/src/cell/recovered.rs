@@ -202,7 +202,7 @@ impl Recovered {
 
     /// Begins with what was kept; the last decision in it. Otherwise nothing has changed.
     fn take_up(&mut self, kept: &Kept) -> Result<Position, String> {
-        let (taken, text) = read(&kept)?;
+        let (taken, text) = read(kept)?;
         self.cell = Cell::of_snapshot(text.state);
         self.places = Places::of_kept(text.places);
         self.told.take_up(text.told);

@@ -21,7 +21,7 @@ use crate::cell::{self, CellHandle};
 use crate::clock::WallClock;
 
 /// How often it is looked whether something is old enough.
-const EVERY: Duration = Duration::from_secs(10 * 60);
+const EVERY: Duration = Duration::from_mins(10);
 /// A journal with more records than this is worth a word where none is ever removed.
 const MANY: u64 = 5_000_000;
 

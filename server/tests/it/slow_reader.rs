@@ -10,7 +10,7 @@ use tokio::net::{TcpSocket, TcpStream};
 use crate::mobile_signals::{send, serve, signal};
 use crate::support::TestServer;
 
-const LIMIT: Duration = Duration::from_secs(60);
+const LIMIT: Duration = Duration::from_mins(1);
 
 async fn listen(server: &TestServer, room: Option<u32>) -> TcpStream {
     let socket = TcpSocket::new_v4().unwrap();

@@ -137,32 +137,36 @@ async fn verify(file: &Path, known: Option<Head>, archives: &[PathBuf], json: bo
 
 /// What was checked, what it proves, and what it cannot.
 fn sentence(verified: &Verified) -> String {
-    let mut text = format!(
+    let mut lines = vec![format!(
         "The journal holds: {} records, epoch {}, {} motions without an end.",
         verified.records.unwrap_or_default(),
         verified.epoch.unwrap_or_default(),
         verified.open_motions.unwrap_or_default(),
-    );
+    )];
     if let Some(snapshots) = verified.snapshots.filter(|count| *count > 0) {
-        text.push_str(&format!(
-            "\n{snapshots} snapshots, each the one its record tells of."
+        lines.push(format!(
+            "{snapshots} snapshots, each the one its record tells of."
         ));
     }
     match (&verified.removed_through, verified.archives_match) {
-        (Some(removed), Some(true)) => text.push_str(&format!(
-            "\nThe records up to {removed} were removed, and the archives are what they were: one chain."
+        (Some(removed), Some(true)) => lines.push(format!(
+            "The records up to {removed} were removed, and the archives are what they were: one chain."
         )),
-        (Some(removed), _) => text.push_str(&format!(
-            "\nThe records up to {removed} were removed. What they said is not proved by this file; their archives, \
+        (Some(removed), _) => lines.push(format!(
+            "The records up to {removed} were removed. What they said is not proved by this file; their archives, \
              given with --archive, prove it."
         )),
         (None, _) => {}
     }
-    text.push_str(&format!(
-        "\nhead {}\nKept elsewhere and given with --head, it shows later that nothing was cut off at the end.",
+    lines.push(format!(
+        "head {}",
         verified.head.as_deref().unwrap_or_default()
     ));
-    text
+    lines.push(
+        "Kept elsewhere and given with --head, it shows later that nothing was cut off at the end."
+            .to_owned(),
+    );
+    lines.join("\n")
 }
 
 fn said(head: Head) -> String {
