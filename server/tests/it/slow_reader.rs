@@ -81,7 +81,7 @@ async fn r5_a_listener_that_takes_nothing_is_told_of_a_gap_or_closed_and_holds_u
     assert_eq!(seen, (1..=COUNT).collect::<Vec<_>>());
     // Some 24 MB, of which the buffers of the two sockets and the server's own 8 MiB hold a part.
     let (seen, gaps) = read_until(slow, COUNT).await;
-    let missed = COUNT as usize - seen.len();
+    let missed = usize::try_from(COUNT).unwrap() - seen.len();
     assert!(missed > 0, "it was not slow enough");
     // Closed within its write timeout, or told.
     assert!(gaps > 0 || seen.last() != Some(&COUNT), "{gaps} {seen:?}");
