@@ -28,7 +28,7 @@ impl Call {
     /// What is known of the effect when the request may have been sent and no answer tells.
     fn outcome_in_doubt(&self) -> Outcome {
         match self.effect {
-            Effect::Question => Outcome::None,
+            Effect::Question | Effect::LongQuestion(_) => Outcome::None,
             Effect::Command(_) => Outcome::Unknown,
         }
     }
@@ -180,7 +180,7 @@ impl Answer {
     /// The seed's shape has no place for the outcome; what its statuses tell is all there is.
     fn outcome_by_status(&self) -> Outcome {
         match (self.call.effect, self.status) {
-            (Effect::Question, _) => Outcome::None,
+            (Effect::Question | Effect::LongQuestion(_), _) => Outcome::None,
             (Effect::Command(_), StatusCode::CONFLICT) => Outcome::Rejected,
             (Effect::Command(_), StatusCode::SERVICE_UNAVAILABLE) => Outcome::NotSent,
             (Effect::Command(_), status) if status.is_client_error() => Outcome::NotSent,

@@ -52,6 +52,8 @@ impl Default for Timeouts {
 pub(crate) enum Effect {
     /// It only asks.
     Question,
+    /// It only asks for something that takes long; wait this long for the answer.
+    LongQuestion(Duration),
     /// It may move the robot; wait this long for the answer.
     Command(Duration),
 }
@@ -169,7 +171,7 @@ impl Http {
             .unwrap_or_else(|| Uuid::now_v7().to_string());
         let timeout = match effect {
             Effect::Question => self.timeouts.question,
-            Effect::Command(timeout) => timeout,
+            Effect::LongQuestion(timeout) | Effect::Command(timeout) => timeout,
         };
         let mut request = self
             .inner

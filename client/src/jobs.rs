@@ -60,7 +60,7 @@ impl Jobs {
     /// `custody-unknown`; else as all calls.
     pub async fn simulate(&self, body: &JobBody) -> Result<JobSimulation, ClientError> {
         // It moves nothing, but is answered as late as a command may be.
-        let effect = Effect::Command(self.http.timeouts.command);
+        let effect = Effect::LongQuestion(self.http.timeouts.command);
         self.http
             .post(&self.path(&["jobs", "simulate"]), effect)
             .body(body)

@@ -75,7 +75,7 @@ mod state;
 mod target;
 mod wire_bodies;
 
-pub use self::journal::{JournalError, SharedJournal, open as open_journal};
+pub use self::journal::{JournalError, Retention, SharedJournal, Upkeep, open as open_journal};
 pub use cell::StartError as CellStartError;
 pub use clock::{SystemClock, WallClock};
 pub use config::{ConfigError, Plan};

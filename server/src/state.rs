@@ -14,7 +14,7 @@ use crate::clock::WallClock;
 use crate::config::{CellPlan, Plan, RobotPlan, ServerPlan};
 use crate::events::Events;
 use crate::identity::{AuditSink, Identity, Refusals};
-use crate::journal::{AuditHealth, JournalAudit, JournalEpochs, SharedJournal};
+use crate::journal::{AuditHealth, JournalAudit, JournalEpochs, Retaining, SharedJournal};
 use crate::link::cell_server::{self, CellServerLink, CellServerPlan};
 use crate::link::{self, Connector, Link, Owner};
 use crate::metrics::{LinkMetrics, Metrics};
@@ -357,6 +357,15 @@ impl App {
             tracker,
             stop.clone(),
         );
+        let retaining = Retaining {
+            journal: journal.clone(),
+            clock: Arc::clone(&clock),
+            cells: cells
+                .iter()
+                .map(|cell| (cell.id.clone(), cell.work.clone()))
+                .collect(),
+        };
+        drop(tracker.spawn(retaining.run(stop.clone())));
         let (cell, robot) = plan.legacy;
         let legacy = cells.get(cell).and_then(|cell| cell.robots.get(robot));
         let Some(legacy) = legacy.map(Arc::clone) else {

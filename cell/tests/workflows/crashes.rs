@@ -84,6 +84,41 @@ async fn f21_a_pickup_survives_a_crash_in_each_of_its_rows() {
     cell.assert_sound().await;
 }
 
+/// A start reads a snapshot and what came after it; one whose snapshot was never written reads more, and that is all.
+///
+/// Covers: R6, F21.
+#[tokio::test(flavor = "multi_thread")]
+async fn r6_a_start_on_a_snapshot_goes_on_where_the_job_was() {
+    let mut cell = TestCell::start().await;
+    let job = cell.delivery("rack/d").await;
+    for written in [true, false] {
+        let before = cell.disk.snapshots();
+        if written {
+            cell.wait("a snapshot", A_JOB, async |cell| {
+                let _said = cell.answer_everything().await;
+                (cell.disk.snapshots() > before).then_some(())
+            })
+            .await;
+        } else {
+            cell.disk.stalls_at_snapshots();
+            let struck = cell.disk.struck();
+            cell.wait("a snapshot is begun", A_JOB, async |cell| {
+                let _said = cell.answer_everything().await;
+                (cell.disk.struck() > struck).then_some(())
+            })
+            .await;
+        }
+        cell.crash().await;
+        cell.disk.is_sound();
+        cell.assert_nothing_twice().await;
+    }
+    let (ended, said) = cell.see_through(&job).await;
+    assert_eq!(ended["state"], "COMPLETE", "{ended:#}\n{said:#?}");
+    let story = cell.assert_story(&job).await;
+    assert!(story.asked_after > 0 || !said.is_empty(), "{story:?}");
+    cell.assert_sound().await;
+}
+
 /// Covers: F21, P6, P7, P8, P10, P13.
 #[tokio::test(flavor = "multi_thread")]
 async fn f21_p13_crashes_at_random_moments_and_during_the_recovery_do_nothing_twice() {

@@ -6,10 +6,11 @@ use std::time::Duration;
 
 use journal::{
     AppendError, Appended, CellDecided, Claim, Clocks, Epoch, Filesystem, Head, JobEntry, JobId,
-    Journal, KeyRetention, LookupError, MotionEntry, MotionId, MotionPhase, MotionStory, Opening,
-    Position, ReadError, Record, Replay, Room, SqliteJournal, SqliteOptions, Stored,
+    Journal, Kept, KeyRetention, LookupError, MotionEntry, MotionId, MotionPhase, MotionStory,
+    NewSnapshot, Opening, Position, Pruning, ReadError, Receipt, Record, Replay, Retained, Room,
+    Row, SqliteJournal, SqliteOptions, Stored,
 };
-use server::SharedJournal;
+use server::{SharedJournal, Upkeep};
 use tokio::sync::watch;
 
 /// What happens to a record before it is kept, or after.
@@ -23,6 +24,8 @@ enum Mode {
     StallsBefore(&'static str),
     /// It is written, and its writer never hears of it.
     StallsAfter(&'static str),
+    /// A snapshot is never written.
+    StallsAtSnapshots,
 }
 
 /// The disk of a cell, over every start of its server.
@@ -35,6 +38,7 @@ struct Inner {
     pages: Mutex<Option<u32>>,
     /// How often something was refused or stalled.
     struck: watch::Sender<usize>,
+    snapshots: watch::Sender<usize>,
 }
 
 impl Disk {
@@ -53,6 +57,15 @@ impl Disk {
 
     pub(crate) fn stalls_before(&self, words: &'static str) {
         self.set(Mode::StallsBefore(words));
+    }
+
+    pub(crate) fn stalls_at_snapshots(&self) {
+        self.set(Mode::StallsAtSnapshots);
+    }
+
+    /// How many snapshots were kept so far.
+    pub(crate) fn snapshots(&self) -> usize {
+        *self.0.snapshots.borrow()
     }
 
     pub(crate) fn stalls_after(&self, words: &'static str) {
@@ -79,10 +92,16 @@ impl Disk {
     /// Waits for the lock of a server that was killed a moment ago, and opens the journal.
     pub(crate) async fn open(&self, path: &Path) -> SharedJournal {
         let journal = self.try_open(path).await;
-        SharedJournal::durable(Fickle {
+        let journal = Fickle {
             journal: journal.unwrap_or_else(|error| panic!("{error}")),
             disk: self.clone(),
-        })
+        };
+        // So often that a start finds one in the middle of anything.
+        let upkeep = Upkeep {
+            snapshot_after: 7,
+            retention: None,
+        };
+        SharedJournal::durable_with(journal, upkeep)
     }
 
     /// Why the journal is not opened.
@@ -180,9 +199,47 @@ impl Journal for Fickle {
                 self.disk.strike();
                 return std::future::pending().await;
             }
-            Mode::Sound | Mode::StallsBefore(_) | Mode::StallsAfter(_) => {}
+            Mode::Sound
+            | Mode::StallsBefore(_)
+            | Mode::StallsAfter(_)
+            | Mode::StallsAtSnapshots => {}
         }
         self.journal.append(at, record).await
+    }
+
+    async fn keep_snapshot(
+        &self,
+        at: Clocks,
+        snapshot: NewSnapshot,
+    ) -> Result<Receipt, AppendError> {
+        if self.disk.mode() == Mode::StallsAtSnapshots {
+            self.disk.strike();
+            return std::future::pending().await;
+        }
+        let kept = self.journal.keep_snapshot(at, snapshot).await;
+        self.disk.0.snapshots.send_modify(|count| *count += 1);
+        kept
+    }
+
+    async fn snapshot(&self, cell: &str) -> Result<Option<Kept>, ReadError> {
+        self.journal.snapshot(cell).await
+    }
+
+    async fn rows(&self, after: Position, limit: usize) -> Result<Vec<Row>, ReadError> {
+        self.journal.rows(after, limit).await
+    }
+
+    async fn retained(&self, now: Clocks) -> Result<Retained, ReadError> {
+        self.journal.retained(now).await
+    }
+
+    async fn prune(
+        &self,
+        at: Clocks,
+        through: Position,
+        archive: Option<String>,
+    ) -> Result<Pruning, AppendError> {
+        self.journal.prune(at, through, archive).await
     }
 
     async fn page(&self, after: Position, limit: usize) -> Result<Vec<Stored>, ReadError> {

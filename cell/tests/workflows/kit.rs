@@ -155,8 +155,23 @@ impl TestCell {
         Self::dark_at(SCALE, setup).await
     }
 
+    /// With one more mobile robot, and what its configuration says.
+    pub(crate) async fn with_another(setup: &str, id: &str, more: &str) -> Self {
+        let config = format!(
+            "{}[[virtual_mobile_robots]]\ncell = 'demo'\nid = '{id}'\ntime_scale = {SCALE:.1}\n{more}\n",
+            config()
+        );
+        let mut cell = Self::dark_of(&config, setup).await;
+        cell.start_server().await;
+        cell
+    }
+
     async fn dark_at(scale: f64, setup: &str) -> Self {
-        let mut assembly = Assembly::start(&config_at(scale), setup).await.unwrap();
+        Self::dark_of(&config_at(scale), setup).await
+    }
+
+    async fn dark_of(config: &str, setup: &str) -> Self {
+        let mut assembly = Assembly::start(config, setup).await.unwrap();
         let folder = tempfile::tempdir().unwrap();
         let listener = StdListener::bind("127.0.0.1:0").unwrap();
         let address = listener.local_addr().unwrap();

@@ -15,6 +15,7 @@ mod faults_delivery;
 mod faults_disk;
 mod faults_evidence;
 mod faults_journal;
+mod faults_others;
 mod faults_pickup;
 mod faults_wire;
 mod judge;

@@ -112,3 +112,49 @@ async fn a_journal_is_verified_and_exported_and_its_first_broken_record_is_named
     let nothing = folder.path().join("nothing");
     assert_eq!(run(&["journal", "verify", nothing.to_str().unwrap()]).0, 3);
 }
+
+#[tokio::test]
+async fn r6_what_was_removed_is_said_and_proved_by_its_archive() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("cell.journal");
+    make(&path).await;
+    let file = path.to_str().unwrap();
+    let lines = run(&["journal", "export", file]).1;
+    let opening = Opening {
+        at: at(),
+        program: "test".into(),
+        keys: KeyRetention::default(),
+    };
+    let options = SqliteOptions {
+        filesystem: Filesystem::Trusted,
+        ..SqliteOptions::default()
+    };
+    let journal = SqliteJournal::open(&path, &opening, &options)
+        .await
+        .unwrap();
+    let pruned = journal.prune(at(), journal::Position(4), None).await;
+    assert_eq!(pruned.unwrap().removed, 4);
+    journal.close().await;
+    let (code, text, _) = run(&["journal", "verify", file]);
+    assert_eq!(code, 0, "{text}");
+    assert!(text.starts_with("The journal holds: 4 records"), "{text}");
+    assert!(text.contains("not proved by this file"), "{text}");
+
+    let archive = folder.path().join("old.jsonl");
+    let old: Vec<_> = lines.lines().take(4).collect();
+    std::fs::write(&archive, old.join("\n") + "\n").unwrap();
+    let archive = archive.to_str().unwrap();
+    let (code, text, _) = run(&["journal", "verify", file, "--archive", archive]);
+    assert_eq!(code, 0, "{text}");
+    assert!(text.contains("one chain"), "{text}");
+
+    std::fs::write(archive, old[..3].join("\n") + "\n").unwrap();
+    let (code, _, error) = run(&["journal", "verify", file, "--archive", archive]);
+    assert_eq!(code, 1, "{error}");
+    assert!(error.contains("the archives end at 3:"), "{error}");
+    let edited = old.join("\n").replace("object-1", "object-7");
+    std::fs::write(archive, edited + "\n").unwrap();
+    let (code, _, error) = run(&["journal", "verify", file, "--archive", archive]);
+    assert_eq!(code, 1, "{error}");
+    assert!(error.contains("record 3"), "{error}");
+}

@@ -191,6 +191,18 @@ async fn a_timeout_is_a_doubt_only_after_a_command() {
     assert!(matches!(command, ClientError::Timeout { .. }), "{command}");
     assert_eq!(command.outcome(), Outcome::Unknown);
     assert_eq!(robot.state().await.unwrap_err().outcome(), Outcome::None);
+    // A simulation takes as long as a command may, and moves nothing.
+    let body: api::JobBody = serde_json::from_value(serde_json::json!({
+        "workflow": "delivery-and-placement",
+        "params": {"point": "handover/front", "items": []},
+    }))
+    .unwrap();
+    let simulated = client.jobs("demo").simulate(&body).await.unwrap_err();
+    assert!(
+        matches!(simulated, ClientError::Timeout { .. }),
+        "{simulated}"
+    );
+    assert_eq!(simulated.outcome(), Outcome::None);
 }
 
 #[tokio::test]

@@ -1,10 +1,19 @@
 //! A journal as lines of JSON: one record a line, its bytes as they were hashed.
+//!
+//! Where old records were removed, the first line says behind what the others begin, and the last ones are the
+//! snapshots, without which the rest is not understood:
+//! ```text
+//! {"base":{"position":1000,"hash":"..","epoch":3,"keys":{..}}}
+//! {"previous":"..","hash":"..","body":{..}}
+//! {"snapshot":{"cell":"c1","position":2040,"body":".."}}
+//! ```
 
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 use thiserror::Error;
 
-use crate::{Broken, DecodeError, Digest, Row, Stored};
+use crate::index::Base;
+use crate::{Broken, DecodeError, Digest, Position, Row, Stored};
 
 /// A line is no record.
 #[derive(Debug, Error)]
@@ -53,6 +62,42 @@ struct LineIn<'a> {
     // Borrowed: the bytes of the line are the bytes that were hashed.
     #[serde(borrow)]
     body: &'a RawValue,
+}
+
+/// A line of another kind.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Beside {
+    /// What the records begin behind.
+    Base(Base),
+    /// The text of a snapshot.
+    Snapshot {
+        /// The cell.
+        cell: String,
+        /// The record that tells of it.
+        position: Position,
+        /// The text.
+        body: String,
+    },
+}
+
+/// Any line of an export.
+pub(crate) enum Line {
+    Row(Row),
+    Beside(Beside),
+}
+
+/// Any line of an export. `number` counts from 1 and is for the error.
+pub(crate) fn read_any(line: &[u8], number: u64) -> Result<Line, LineError> {
+    if line.starts_with(b"{\"base\"") || line.starts_with(b"{\"snapshot\"") {
+        return serde_json::from_slice(line)
+            .map(Line::Beside)
+            .map_err(|source| LineError::Json {
+                line: number,
+                source,
+            });
+    }
+    read_line(line, number).map(Line::Row)
 }
 
 /// A row as a line, without its end.

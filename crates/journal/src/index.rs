@@ -4,10 +4,13 @@
 
 use std::collections::BTreeMap;
 
+use serde::{Deserialize, Serialize};
+
 use crate::rules::{Change, Context, Facts, KeyFacts, Verdict, judge, wall_ms};
 use crate::{
-    Claim, Clocks, Epoch, IdempotencyKey, JobEntry, JobId, KeyEntry, KeyRetention, MotionEntry,
-    MotionId, MotionPhase, Position, Record, Refusal, ServerStarted, Stored,
+    Claim, Clocks, End, Epoch, Head, IdempotencyKey, JobEntry, JobId, KeyEntry, KeyRetention,
+    MotionEntry, MotionId, MotionPhase, Position, Pruned, Record, Refusal, ServerStarted,
+    SnapshotTaken, Stored,
 };
 
 #[derive(Clone, Debug, Default, Eq, PartialEq)]
@@ -19,13 +22,55 @@ pub(crate) struct Index {
     pub(crate) claims: BTreeMap<IdempotencyKey, KeyEntry>,
     /// Where the decisions of cells stand.
     pub(crate) decided: BTreeMap<Position, String>,
+    /// The newest snapshot of each cell, by where it is told of.
+    pub(crate) snapshots: BTreeMap<String, (Position, SnapshotTaken)>,
+    /// The last record that was removed, as the newest record about it says.
+    pub(crate) pruned: Base,
+    /// What the index was begun behind: of motions and jobs that began before, only the rest is known.
+    base: Position,
     /// The same keys by the time of their use, and by the place of the record that took them: the wall clock may
     /// have jumped between two records, so these are two orders.
     by_time: BTreeMap<(i64, Position), IdempotencyKey>,
     by_place: BTreeMap<Position, IdempotencyKey>,
 }
 
+/// What the records of a journal begin behind, where older ones were removed.
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Base {
+    /// The last one that was removed.
+    #[serde(flatten)]
+    pub(crate) head: Head,
+    /// The epoch there.
+    pub(crate) epoch: Epoch,
+    /// How long keys were remembered there.
+    pub(crate) keys: KeyRetention,
+}
+
+impl Base {
+    pub(crate) fn of(pruned: &Pruned) -> Self {
+        Self {
+            head: pruned.through,
+            epoch: pruned.epoch,
+            keys: pruned.keys,
+        }
+    }
+
+    pub(crate) fn is_start(&self) -> bool {
+        self.head == Head::EMPTY
+    }
+}
+
 impl Index {
+    /// Of a journal whose records up to `base` are gone.
+    pub(crate) fn behind(base: Base) -> Self {
+        Self {
+            base: base.head.position,
+            epoch: base.epoch,
+            keys: base.keys,
+            ..Self::default()
+        }
+    }
+
     pub(crate) fn start(&mut self, started: &ServerStarted) {
         self.epoch = started.epoch;
         self.keys = started.keys;
@@ -38,10 +83,14 @@ impl Index {
         position: Position,
     ) -> Result<Verdict, Refusal> {
         let facts = Facts {
-            motion: record
-                .motion()
-                .and_then(|motion| self.motions.get(&motion).copied()),
-            job: record.job().and_then(|job| self.jobs.get(&job).copied()),
+            motion: record.motion().and_then(|motion| {
+                let known = self.motions.get(&motion).copied();
+                known.or_else(|| self.begun_before(record, motion))
+            }),
+            job: record.job().and_then(|job| {
+                let known = self.jobs.get(&job).copied();
+                known.or_else(|| self.created_before(record, job))
+            }),
             key: record.claim().and_then(|claim| self.key_facts(claim)),
         };
         let context = Context {
@@ -51,6 +100,44 @@ impl Index {
             position,
         };
         judge(record, &facts, &context)
+    }
+
+    /// A motion whose intent is gone, as the first record left of it shows it.
+    fn begun_before(&self, record: &Record, motion: MotionId) -> Option<MotionEntry> {
+        let phase = if let Record::Outcome(outcome) = record {
+            match outcome.end {
+                End::InDoubt { .. } => MotionPhase::Accepted,
+                End::Done { .. }
+                | End::Rejected { .. }
+                | End::NotExecuted { .. }
+                | End::Interrupted { .. } => MotionPhase::Decided,
+            }
+        } else if matches!(record, Record::Accepted(_)) {
+            MotionPhase::Open
+        } else if matches!(record, Record::Decision(_)) {
+            MotionPhase::InDoubt
+        } else {
+            return None;
+        };
+        (self.base > Position::START).then_some(MotionEntry {
+            motion,
+            phase,
+            intent: Position::START,
+            accepted: None,
+            outcome: None,
+            decision: None,
+        })
+    }
+
+    /// A job whose creation is gone.
+    fn created_before(&self, record: &Record, job: JobId) -> Option<JobEntry> {
+        let creates = matches!(record, Record::JobCreated(_));
+        (self.base > Position::START && !creates).then_some(JobEntry {
+            job,
+            created: Position::START,
+            latest: Position::START,
+            ended: None,
+        })
     }
 
     pub(crate) fn key_facts(&self, claim: &Claim) -> Option<KeyFacts> {
@@ -83,20 +170,46 @@ impl Index {
         }
     }
 
-    /// Takes up a record that was kept before.
-    pub(crate) fn replay(&mut self, stored: &Stored) -> Result<(), Refusal> {
+    /// Takes up a record that was kept before; what it changes.
+    pub(crate) fn replay(&mut self, stored: &Stored) -> Result<Change, Refusal> {
         if let Record::ServerStarted(started) = &stored.record {
             self.start(started);
-            return Ok(());
+            return Ok(Change::default());
         }
-        match self.judge(&stored.record, stored.at, stored.position)? {
-            Verdict::Keep(change) => {
-                self.apply(change, &stored.at);
-                Ok(())
+        if let Record::SnapshotTaken(taken) = &stored.record {
+            let entry = (stored.position, taken.clone());
+            let _before = self.snapshots.insert(taken.cell.clone(), entry);
+        }
+        if let Record::Pruned(pruned) = &stored.record {
+            self.pruned = Base::of(pruned);
+        }
+        let change = match self.judge(&stored.record, stored.at, stored.position) {
+            Ok(Verdict::Keep(change)) => change,
+            judged => {
+                let refusal = match judged {
+                    Err(refusal) => refusal,
+                    Ok(Verdict::Keep(_) | Verdict::Replay(_)) => Refusal::KeyReused {
+                        first: stored.position,
+                    },
+                };
+                self.judged_without_its_key(stored).ok_or(refusal)?
             }
-            Verdict::Replay(entry) => Err(Refusal::KeyReused {
-                first: entry.position,
-            }),
+        };
+        self.apply(change.clone(), &stored.at);
+        Ok(change)
+    }
+
+    /// Behind removed records a key may have been forgotten earlier than the rest alone explains, because those
+    /// before counted too. That it was used again shows it.
+    fn judged_without_its_key(&mut self, stored: &Stored) -> Option<Change> {
+        let key = stored.record.claim()?.key.clone();
+        if self.base == Position::START {
+            return None;
+        }
+        self.forget(vec![key]);
+        match self.judge(&stored.record, stored.at, stored.position) {
+            Ok(Verdict::Keep(change)) => Some(change),
+            Ok(Verdict::Replay(_)) | Err(_) => None,
         }
     }
 

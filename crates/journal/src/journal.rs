@@ -4,7 +4,7 @@ use std::future::Future;
 
 use crate::{
     AppendError, Claim, Clocks, Epoch, Head, Intent, JobEntry, JobId, LookupError, MotionEntry,
-    MotionId, MotionPhase, Position, ReadError, Record, Stored,
+    MotionId, MotionPhase, Position, ReadError, Record, Row, SnapshotTaken, Stored,
 };
 
 /// Most records of one page.
@@ -124,6 +124,52 @@ pub trait Journal: Send + Sync + 'static {
         limit: usize,
     ) -> impl Future<Output = Result<Vec<Stored>, ReadError>> + Send;
 
+    /// Keeps what the decisions of a cell amount to, in place of what was kept of it before, together with its record.
+    ///
+    /// # Errors
+    /// As [`append`](Self::append); [`NotCovered`](crate::Refusal::NotCovered) if `covers` is no decision of the cell.
+    fn keep_snapshot(
+        &self,
+        at: Clocks,
+        snapshot: NewSnapshot,
+    ) -> impl Future<Output = Result<Receipt, AppendError>> + Send;
+
+    /// What was kept last of a cell.
+    ///
+    /// # Errors
+    /// [`ReadError`] if it cannot be read.
+    fn snapshot(&self, cell: &str) -> impl Future<Output = Result<Option<Kept>, ReadError>> + Send;
+
+    /// Up to `limit` (at most [`MAX_PAGE`]) records behind `after` as they are kept, to be written out.
+    ///
+    /// # Errors
+    /// [`ReadError`] if they cannot be read.
+    fn rows(
+        &self,
+        after: Position,
+        limit: usize,
+    ) -> impl Future<Output = Result<Vec<Row>, ReadError>> + Send;
+
+    /// Which records there are, and which of them the journal itself still needs.
+    ///
+    /// # Errors
+    /// [`ReadError`] if that cannot be read.
+    fn retained(&self, now: Clocks) -> impl Future<Output = Result<Retained, ReadError>> + Send;
+
+    /// Removes the oldest records up to and including `through`, or fewer: never one that a motion or job without an
+    /// end needs, or a key that may be asked for again, or a cell of which no snapshot covers it; and not more than
+    /// some thousand at a time, so that nobody waits long behind it. What is removed and the record that says so are
+    /// one transaction. `archive` is where they were written out to.
+    ///
+    /// # Errors
+    /// As [`append`](Self::append).
+    fn prune(
+        &self,
+        at: Clocks,
+        through: Position,
+        archive: Option<String>,
+    ) -> impl Future<Output = Result<Pruning, AppendError>> + Send;
+
     /// Keeps an intent, and returns the permission to send it once it is durable.
     ///
     /// # Errors
@@ -142,6 +188,60 @@ pub trait Journal: Send + Sync + 'static {
             })
         }
     }
+}
+
+/// What the decisions of a cell amount to, to be kept.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub struct NewSnapshot {
+    /// The cell.
+    pub cell: String,
+    /// The last decision in it.
+    pub covers: Head,
+    /// How `body` is written.
+    pub format: u32,
+    /// The journal does not look into it.
+    pub body: String,
+}
+
+/// What was kept of a cell.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub enum Kept {
+    /// It is what its record says.
+    Whole(Snapshot),
+    /// It is not, and is not to be used.
+    Damaged {
+        /// How it differs.
+        how: String,
+    },
+}
+
+/// What the decisions of a cell amount to, as it was kept.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub struct Snapshot {
+    /// Where the record of it stands.
+    pub position: Position,
+    /// What that record says.
+    pub taken: SnapshotTaken,
+    /// The text.
+    pub body: String,
+}
+
+/// Which records there are.
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
+pub struct Retained {
+    /// The last one that was removed.
+    pub base: Head,
+    /// The last one that may be removed, as far as the journal itself knows.
+    pub removable: Position,
+}
+
+/// What was removed.
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
+pub struct Pruning {
+    /// The last record that is not there any more.
+    pub base: Head,
+    /// How many were removed this time; 0 if none can be.
+    pub removed: u64,
 }
 
 /// How much room a journal has.

@@ -65,18 +65,19 @@ pub use export::{LineError, read_line, write_line};
 pub use id::{Clocks, DecisionId, Epoch, JobId, MotionId, Position, SignalId};
 pub use idempotency::{Claim, IdempotencyKey, KeyError, KeyRetention};
 pub use journal::{
-    Appended, Begun, DurableIntent, Journal, MAX_PAGE, MotionStory, Receipt, Replay, Room,
+    Appended, Begun, DurableIntent, Journal, Kept, MAX_PAGE, MotionStory, NewSnapshot, Pruning,
+    Receipt, Replay, Retained, Room, Snapshot,
 };
 pub use memory::{Fault, MemoryDisk, MemoryJournal, MemoryOpenError};
 pub use opening::Opening;
 pub use record::{
     Accepted, Answer, Arrival, Asked, Audit, AuditResult, CellDecided, Completion, Decision, End,
     Hold, Intent, JobCreated, JobEnd, JobEnded, JobStep, Mode, NoMotion, Observation, Outcome,
-    OutputLevel, Record, Repeatability, ServerStarted, SignalReceived, Standstill, StepState,
-    Subject, Target,
+    OutputLevel, Pruned, Record, Repeatability, ServerStarted, SignalReceived, SnapshotTaken,
+    Standstill, StepState, Subject, Target,
 };
 pub use rules::{JobEntry, KeyEntry, MotionEntry, MotionPhase, Refusal};
 pub use sqlite::{
     Filesystem, History, OpenError, Report, SqliteJournal, SqliteOptions, VerifyError, export,
-    import, verify,
+    import, verify, verify_archives,
 };

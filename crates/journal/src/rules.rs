@@ -130,6 +130,14 @@ pub enum Refusal {
         /// Where.
         at: Position,
     },
+    /// What it covers is no decision of that cell.
+    #[error("record {covers} is not the decision of cell `{cell}` that the snapshot covers")]
+    NotCovered {
+        /// The cell.
+        cell: String,
+        /// The record.
+        covers: Position,
+    },
     /// The key was used with another body.
     #[error("the idempotency key was used with another body, at record {first}")]
     KeyReused {
@@ -259,7 +267,12 @@ pub(crate) fn judge(record: &Record, facts: &Facts, context: &Context) -> Result
         Record::JobCreated(_) | Record::JobStep(_) | Record::JobEnded(_) => {
             change.job = job_after(record, facts.job.as_ref(), context.position)?;
         }
-        Record::SignalReceived(_) | Record::Audit(_) | Record::CellDecided(_) => {}
+        // Who writes the last two has judged them.
+        Record::SignalReceived(_)
+        | Record::Audit(_)
+        | Record::CellDecided(_)
+        | Record::SnapshotTaken(_)
+        | Record::Pruned(_) => {}
     }
     Ok(Verdict::Keep(change))
 }

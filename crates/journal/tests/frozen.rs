@@ -17,8 +17,8 @@ use common::{at, claim, intent, job, job_created, motion, outcome};
 use journal::{
     Accepted, Answer, Arrival, Asked, Audit, AuditResult, CellDecided, Completion, Decision,
     DecisionId, Digest, End, Epoch, Head, Hold, JobEnd, JobEnded, JobStep, KeyRetention, Mode,
-    NoMotion, Observation, Position, Record, ServerStarted, SignalId, SignalReceived, Standstill,
-    StepState, Stored, Subject, Walker, read_line,
+    NoMotion, Observation, Position, Pruned, Record, ServerStarted, SignalId, SignalReceived,
+    SnapshotTaken, Standstill, StepState, Stored, Subject, Walker, read_line,
 };
 use uuid::Uuid;
 
@@ -71,6 +71,7 @@ fn asked_intent() -> Record {
 fn examples() -> Vec<(&'static str, Record)> {
     let mut examples = motion_examples();
     examples.extend(work_examples());
+    examples.extend(upkeep_examples());
     examples
 }
 
@@ -233,6 +234,40 @@ fn work_examples() -> Vec<(&'static str, Record)> {
     ]
 }
 
+fn upkeep_examples() -> Vec<(&'static str, Record)> {
+    vec![
+        (
+            "snapshot_taken",
+            Record::SnapshotTaken(SnapshotTaken {
+                cell: "c1".into(),
+                covers: Head {
+                    position: Position(6),
+                    hash: Digest::of(b"6"),
+                },
+                format: 1,
+                bytes: 4,
+                digest: Digest::of(b"text"),
+            }),
+        ),
+        (
+            "pruned",
+            Record::Pruned(Pruned {
+                through: Head {
+                    position: Position(3),
+                    hash: Digest::of(b"3"),
+                },
+                records: 3,
+                epoch: Epoch(1),
+                keys: KeyRetention {
+                    max_age_s: 604_800,
+                    max_count: 20_000,
+                },
+                archive: Some("journal-1-3.jsonl".into()),
+            }),
+        ),
+    ]
+}
+
 #[test]
 fn each_kind_has_the_bytes_it_always_had() {
     let mut kinds = BTreeSet::new();
@@ -251,7 +286,7 @@ fn each_kind_has_the_bytes_it_always_had() {
         assert_eq!(stored.encode().unwrap(), frozen, "{name}");
         assert_eq!(Stored::decode(frozen.as_bytes()).unwrap(), stored, "{name}");
     }
-    assert_eq!(kinds.len(), 11, "each kind has an example");
+    assert_eq!(kinds.len(), 13, "each kind has an example");
     let files = std::fs::read_dir(testdata()).unwrap();
     let files = files.filter(|file| {
         let path = file.as_ref().unwrap().path();

@@ -14,9 +14,9 @@ use common::{
     not_sent, opening, options, outcome,
 };
 use journal::{
-    Answer, Appended, Claim, Clocks, Completion, Decision, DecisionId, End, Epoch, Journal,
-    MemoryDisk, MemoryJournal, MotionPhase, Position, Record, SqliteJournal, Stored, Subject,
-    export, import, verify,
+    Answer, Appended, CellDecided, Claim, Clocks, Completion, Decision, DecisionId, End, Epoch,
+    Head, Journal, MemoryDisk, MemoryJournal, MotionPhase, NewSnapshot, Position, Record,
+    SqliteJournal, Stored, Subject, export, import, verify,
 };
 use proptest::prelude::*;
 use uuid::Uuid;
@@ -40,6 +40,9 @@ enum Step {
     Decision(u128),
     Job(u128, Key),
     JobEnded(u128),
+    Decided,
+    Snapshot,
+    Prune(u64),
     Reopen,
 }
 
@@ -65,6 +68,9 @@ fn step() -> impl Strategy<Value = Step> {
         1 => n.clone().prop_map(Step::Decision),
         2 => (n.clone(), key).prop_map(|(n, key)| Step::Job(n, key)),
         1 => n.prop_map(Step::JobEnded),
+        2 => Just(Step::Decided),
+        1 => Just(Step::Snapshot),
+        2 => (1..60_u64).prop_map(Step::Prune),
         1 => Just(Step::Reopen),
     ]
 }
@@ -92,7 +98,12 @@ fn record(step: Step, epoch: Epoch) -> Option<Record> {
         }),
         Step::Job(n, key) => job_created(n, claim(key)),
         Step::JobEnded(n) => job_ended(n),
-        Step::Reopen => return None,
+        Step::Decided => Record::CellDecided(CellDecided {
+            cell: "c1".into(),
+            facts: "[]".into(),
+            claim: None,
+        }),
+        Step::Snapshot | Step::Prune(_) | Step::Reopen => return None,
     })
 }
 
@@ -143,6 +154,60 @@ async fn same(on_disk: &impl Journal, in_memory: &impl Journal, now: Clocks) {
     }
 }
 
+/// Snapshots and removals; whether the step was one.
+async fn upkeep(step: Step, on_disk: &impl Journal, in_memory: &impl Journal, now: Clocks) -> bool {
+    match step {
+        Step::Snapshot => {
+            let start = Position::START;
+            let decided = on_disk.decided("c1", start, 1_000).await.unwrap();
+            let covers = match decided.last() {
+                Some(last) => {
+                    let before = Position(last.position.0 - 1);
+                    let row = &on_disk.rows(before, 1).await.unwrap()[0];
+                    Head {
+                        position: row.position,
+                        hash: row.hash,
+                    }
+                }
+                None => Head::EMPTY,
+            };
+            let snapshot = NewSnapshot {
+                cell: "c1".into(),
+                covers,
+                format: 1,
+                body: format!("up to {}", covers.position),
+            };
+            let kept = on_disk.keep_snapshot(now, snapshot.clone()).await;
+            let same = in_memory.keep_snapshot(now, snapshot).await;
+            assert_eq!(format!("{kept:?}"), format!("{same:?}"));
+            assert_eq!(
+                on_disk.snapshot("c1").await.unwrap(),
+                in_memory.snapshot("c1").await.unwrap()
+            );
+            true
+        }
+        Step::Prune(through) => {
+            assert_eq!(
+                on_disk.retained(now).await.unwrap(),
+                in_memory.retained(now).await.unwrap()
+            );
+            let (through, archive) = (Position(through), Some("old.jsonl".to_owned()));
+            let pruned = on_disk.prune(now, through, archive.clone()).await.unwrap();
+            let same = in_memory.prune(now, through, archive).await.unwrap();
+            assert_eq!(pruned, same);
+            true
+        }
+        Step::Intent(..)
+        | Step::Accepted(..)
+        | Step::Outcome(..)
+        | Step::Decision(_)
+        | Step::Job(..)
+        | Step::JobEnded(_)
+        | Step::Decided
+        | Step::Reopen => false,
+    }
+}
+
 async fn run(steps: Vec<(Step, u64)>) {
     let (directory, path) = directory();
     let disk = MemoryDisk::new();
@@ -156,6 +221,9 @@ async fn run(steps: Vec<(Step, u64)>) {
     let mut now = at(0);
     for (step, second) in steps {
         now = at(second);
+        if upkeep(step, &on_disk, &in_memory, now).await {
+            continue;
+        }
         let Some(record) = record(step, on_disk.epoch()) else {
             on_disk.close().await;
             on_disk = open().await;

@@ -237,7 +237,10 @@ impl Work<'_> {
                 let text = reason.as_str();
                 let _reply = self.command(job.id, crate::Command::Abort, principal, text)?;
             }
-            Answer::Resume | Answer::Replan => self.go_on_by_hand(job, question, &why, &reason),
+            Answer::Resume | Answer::Replan => {
+                self.accept_definition(job);
+                self.go_on_by_hand(job, question, &why, &reason);
+            }
             Answer::Retreat => {
                 self.put_steps_back(job);
                 if let Some(job) = self.job(job.id) {
@@ -564,7 +567,10 @@ impl Work<'_> {
                 mobile_robot: to.to_owned(),
                 slot: item.slot.clone(),
             };
-            if !setup.slots.contains(&item.slot) || !self.cell.is_free(&at) {
+            // Somebody may have said already that the load itself is there.
+            let there = self.cell.book.custody.at(&at);
+            let its_own = there.is_some() && there == item.load.as_deref();
+            if !setup.slots.contains(&item.slot) || !(its_own || self.cell.is_free(&at)) {
                 return no(format!("{} of {to} is not free", item.slot));
             }
         }
@@ -582,13 +588,22 @@ impl Work<'_> {
                 mobile_robot: from.clone(),
                 slot: item.slot.clone(),
             };
-            if let Some(load) = self.cell.book.custody.at(&there).map(str::to_owned) {
+            let now = Location::MobileRobot {
+                mobile_robot: to.to_owned(),
+                slot: item.slot.clone(),
+            };
+            // The first one has reported meanwhile that it is gone: this is the answer to where.
+            let gone = item.load.clone().filter(|load| {
+                let at = self.cell.book.custody.of(load);
+                matches!(at, Some(Location::Unknown { arm: None }))
+            });
+            if let Some(load) = gone {
+                let said = self.set_custody(&load, &now, &load, principal, reason);
+                debug_assert!(said.is_ok(), "{said:?}");
+            } else if let Some(load) = self.cell.book.custody.at(&there).map(str::to_owned) {
                 self.emit(Fact::CustodyMoved {
                     load,
-                    to: Location::MobileRobot {
-                        mobile_robot: to.to_owned(),
-                        slot: item.slot.clone(),
-                    },
+                    to: now,
                     by: Evidence::Human {
                         principal: principal.name.clone(),
                         reason: reason.to_owned(),

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use uuid::Uuid;
 
 use crate::claims::Claims;
@@ -20,7 +20,7 @@ use crate::timers::{Running, TimerKey};
 pub(crate) const REMEMBERED: usize = 256;
 
 /// Where an operation is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum OpState {
     /// It was handed to the arm.
@@ -32,7 +32,7 @@ pub enum OpState {
 }
 
 /// An operation that has not ended.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Op {
     pub job: Uuid,
     pub step: usize,
@@ -42,7 +42,7 @@ pub(crate) struct Op {
 }
 
 /// A drive with loads to a destination.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Transport {
     pub job: Uuid,
     pub order: Uuid,
@@ -52,7 +52,7 @@ pub(crate) struct Transport {
 }
 
 /// What is kept of a mobile robot.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Mobile {
     pub boot: u64,
     pub seq: u64,
@@ -75,14 +75,20 @@ impl Mobile {
 }
 
 /// Everything that facts say. Equal facts make equal books.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Book {
-    pub created: u64,
+    /// How many jobs, sessions and questions there were: each kind has its own numbers.
+    pub jobs_created: u64,
+    pub sessions_created: u64,
+    pub questions_asked: u64,
     pub jobs: BTreeMap<Uuid, Arc<Job>>,
     pub sessions: BTreeMap<Uuid, Arc<Session>>,
     pub ops: BTreeMap<Uuid, Op>,
     pub mobiles: BTreeMap<String, Arc<Mobile>>,
     pub custody: Arc<Custody>,
+    /// Loads that left the cell, the oldest first; those that came back since are passed over.
+    #[serde(default)]
+    pub delivered: VecDeque<String>,
     pub claims: Claims,
     pub interventions: BTreeMap<Uuid, Arc<Intervention>>,
 }

@@ -94,6 +94,13 @@ impl Cell {
             .min()
     }
 
+    /// Whether a job has not come to its end.
+    #[must_use]
+    pub fn is_open(&self, job: uuid::Uuid) -> bool {
+        let found = self.book.jobs.get(&job);
+        found.is_some_and(|job| !job.state.is_final())
+    }
+
     /// Whether two cells hold the same durable state, whatever they see right now.
     #[must_use]
     pub fn same_book(&self, other: &Self) -> bool {

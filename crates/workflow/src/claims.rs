@@ -32,8 +32,21 @@ pub enum Holder {
 }
 
 /// Who has what.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(from = "Vec<(Resource, Holder)>", into = "Vec<(Resource, Holder)>")]
 pub(crate) struct Claims(pub BTreeMap<Resource, Holder>);
+
+impl From<Vec<(Resource, Holder)>> for Claims {
+    fn from(all: Vec<(Resource, Holder)>) -> Self {
+        Self(all.into_iter().collect())
+    }
+}
+
+impl From<Claims> for Vec<(Resource, Holder)> {
+    fn from(Claims(all): Claims) -> Self {
+        all.into_iter().collect()
+    }
+}
 
 impl Claims {
     pub(crate) fn is_free(&self, resource: &Resource) -> bool {

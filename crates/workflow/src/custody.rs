@@ -78,7 +78,7 @@ pub enum Evidence {
 }
 
 /// One load.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Load {
     /// Its type.
     #[serde(rename = "type")]
@@ -88,7 +88,7 @@ pub struct Load {
 }
 
 /// All loads. A map from load to place: a load cannot be in two places.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Custody(pub BTreeMap<String, Load>);
 
 impl Custody {

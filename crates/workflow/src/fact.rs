@@ -5,6 +5,7 @@ use uuid::Uuid;
 
 use crate::claims::{Holder, Resource};
 use crate::custody::{Evidence, Location};
+use crate::definition::Definition;
 use crate::effect::Action;
 use crate::faults::Fault;
 use crate::ids::Millis;
@@ -69,6 +70,9 @@ pub enum Fact {
         job: Uuid,
         steps: Vec<PlannedStep>,
         drop: Vec<usize>,
+        /// What the plan is of, from here on.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        definition: Option<Definition>,
     },
     /// A step changed its state.
     StepMoved {

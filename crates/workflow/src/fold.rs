@@ -45,13 +45,14 @@ impl Cell {
                 origin,
                 items,
             } => {
-                self.book.created += 1;
+                self.book.jobs_created += 1;
                 let new = Job {
                     id: *job,
-                    number: self.book.created,
+                    number: self.book.jobs_created,
                     spec: (**spec).clone(),
                     trigger: trigger.clone(),
                     origin: origin.clone(),
+                    definition: None,
                     state: JobState::Idle,
                     why: Why::Course,
                     text: String::new(),
@@ -101,7 +102,15 @@ impl Cell {
                     });
                 }
             }),
-            Fact::Planned { job, steps, drop } => self.job_mut(job, |j| {
+            Fact::Planned {
+                job,
+                steps,
+                drop,
+                definition,
+            } => self.job_mut(job, |j| {
+                if definition.is_some() {
+                    j.definition.clone_from(definition);
+                }
                 for index in drop {
                     if let Some(step) = j.steps.get_mut(*index) {
                         step.state = StepState::Dropped;
@@ -219,10 +228,10 @@ impl Cell {
                 job,
                 mobile_robot,
             } => {
-                self.book.created += 1;
+                self.book.sessions_created += 1;
                 let new = Session {
                     id: *session,
-                    number: self.book.created,
+                    number: self.book.sessions_created,
                     point: point.clone(),
                     job: *job,
                     mobile_robot: mobile_robot.clone(),
@@ -365,6 +374,11 @@ impl Cell {
                 drop(custody.0.insert(load.clone(), new));
             }
             Fact::CustodyMoved { load, to, by: _ } => {
+                if matches!(to, Location::Delivered { .. }) {
+                    self.book.delivered.retain(|known| known != load);
+                    self.book.delivered.push_back(load.clone());
+                    self.forget_delivered();
+                }
                 let custody = Arc::make_mut(&mut self.book.custody);
                 let before = custody
                     .0
@@ -380,9 +394,9 @@ impl Cell {
                 }
             }
             Fact::Asked { question } => {
-                self.book.created += 1;
+                self.book.questions_asked += 1;
                 let new = Intervention {
-                    number: self.book.created,
+                    number: self.book.questions_asked,
                     question: (**question).clone(),
                     decided: None,
                     withdrawn: None,
@@ -652,8 +666,18 @@ impl Cell {
 
     /// Takes a configuration; loads that are new appear where it says.
     fn install(&mut self, setup: &crate::Setup) {
-        self.setup = Arc::new(setup.clone());
+        let before = std::mem::replace(&mut self.setup, Arc::new(setup.clone()));
         let custody = Arc::make_mut(&mut self.book.custody);
+        // A load that was delivered, and that the set-up does not name any more, is nobody's.
+        for load in &before.loads {
+            let named = setup.loads.iter().any(|known| known.id == load.id);
+            let gone = custody
+                .of(&load.id)
+                .is_some_and(|at| matches!(at, Location::Delivered { .. }));
+            if gone && !named {
+                drop(custody.0.remove(&load.id));
+            }
+        }
         for load in &setup.loads {
             if !custody.0.contains_key(&load.id) {
                 let new = Load {
@@ -663,6 +687,30 @@ impl Cell {
                 drop(custody.0.insert(load.id.clone(), new));
             }
         }
+    }
+
+    /// What a mobile robot took away stays in the books for a while, and then only in the journal. What the set-up
+    /// names stays: its next change would bring it back to where it was at first.
+    fn forget_delivered(&mut self) {
+        let setup = Arc::clone(&self.setup);
+        let named = |load: &String| setup.loads.iter().any(|known| known.id == *load);
+        let mut surplus = self.book.delivered.len().saturating_sub(REMEMBERED);
+        let custody = Arc::make_mut(&mut self.book.custody);
+        let claims = &self.book.claims;
+        self.book.delivered.retain(|load| {
+            let gone = custody
+                .of(load)
+                .is_some_and(|at| matches!(at, Location::Delivered { .. }));
+            let claimed = !claims.is_free(&crate::Resource::Load(load.clone()));
+            if surplus == 0 || claimed {
+                return true;
+            }
+            surplus -= 1;
+            if gone && !named(load) {
+                drop(custody.0.remove(load));
+            }
+            false
+        });
     }
 
     /// A load that is nowhere else.

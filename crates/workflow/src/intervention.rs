@@ -199,7 +199,7 @@ pub struct Decided {
 }
 
 /// A question and what became of it.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Intervention {
     pub number: u64,
     pub question: Question,

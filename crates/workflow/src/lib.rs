@@ -34,6 +34,7 @@ mod cell;
 mod claims;
 mod commands_in;
 mod custody;
+mod definition;
 mod effect;
 mod evidence;
 mod fact;
@@ -58,6 +59,7 @@ mod session_run;
 mod setup;
 mod signal;
 mod signals_in;
+mod snapshot;
 mod supervise;
 mod timers;
 mod timers_in;
@@ -69,6 +71,7 @@ pub use book::OpState;
 pub use cell::Cell;
 pub use claims::{Holder, Resource};
 pub use custody::{Evidence, Load, Location};
+pub use definition::Definition;
 pub use effect::{Action, Effect, GripAction, Interpolation, Speed, Target};
 pub use fact::{Fact, Rewind};
 pub use faults::Fault;
@@ -92,4 +95,5 @@ pub use signal::{
     InstantAction, Message, MobileError, MobileMode, MobileState, OutMessage, Signal, SignalAnswer,
     SignalKind, SlotLoad,
 };
+pub use snapshot::Snapshot;
 pub use timers::{Running, TimerKey, Timers};

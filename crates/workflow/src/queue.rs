@@ -3,6 +3,7 @@
 use std::cmp::Reverse;
 
 use crate::claims::{Holder, Resource};
+use crate::definition::Definition;
 use crate::fact::Fact;
 use crate::job::plan::plan;
 use crate::job::{Job, JobState, StepState, Why};
@@ -68,6 +69,7 @@ impl Work<'_> {
             job: job.id,
             steps: plan(&job.spec, &job.items),
             drop: Vec::new(),
+            definition: Some(Definition::of(job.spec.workflow)),
         });
         self.go(job.id, JobState::Starting, Why::Course, "");
         if let Some(job) = self.job(job.id) {

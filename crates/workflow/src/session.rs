@@ -109,7 +109,7 @@ impl SessionState {
 }
 
 /// A session.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[expect(
     clippy::struct_excessive_bools,
     reason = "each is one thing the mobile robot has said"

@@ -248,7 +248,7 @@ impl Work<'_> {
     }
 
     /// F12, F13: the arm leaves the zone, then the job waits.
-    fn mobile_fault(&mut self, job: &Job, fault: Fault, text: &str) {
+    pub(crate) fn mobile_fault(&mut self, job: &Job, fault: Fault, text: &str) {
         let mobile_robot = job.mobile_robot.clone().unwrap_or_default();
         let text = format!("{mobile_robot}: {text}");
         let running = self

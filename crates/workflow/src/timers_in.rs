@@ -427,12 +427,28 @@ impl Work<'_> {
             .may_resume(job)
             .err()
             .unwrap_or_else(|| "it is not seen to end".into());
-        let answers = if job.state == JobState::Suspended {
-            vec![Answer::Resume, Answer::Cancel, Answer::Abort]
-        } else {
+        let mut known = self.known_of(job);
+        let waits = matches!(
+            job.state,
+            JobState::Suspended | JobState::Unsuspending | JobState::Unholding
+        );
+        let mut answers = if waits && self.has_dropped_its_order(job) {
+            // Nothing but a new order brings it back.
+            vec![Answer::Redispatch, Answer::Cancel, Answer::Abort]
+        } else if job.state != JobState::Suspended {
             vec![Answer::ConfirmStill, Answer::Abort]
+        } else {
+            vec![Answer::Resume, Answer::Cancel, Answer::Abort]
         };
-        let known = self.known_of(job);
+        let inside = self
+            .cell
+            .session_of(job)
+            .and_then(|session| self.cell.setup.point(&session.point))
+            .is_some_and(|point| self.cell.arm_may_be_in(point));
+        if answers.contains(&Answer::Redispatch) && inside {
+            known.push("an arm is in the zone, so it has no permit to come in".into());
+            answers.push(Answer::Retreat);
+        }
         self.ask(Ask {
             job: Some(job.id),
             fault,
@@ -445,6 +461,15 @@ impl Work<'_> {
             answers,
             ..Ask::default()
         });
+    }
+
+    /// Whether the mobile robot a job waits for says that it has no order, after it had one.
+    pub(crate) fn has_dropped_its_order(&self, job: &Job) -> bool {
+        let Some(session) = self.cell.session_of(job) else {
+            return false;
+        };
+        let seen = self.cell.mobile_seen(&session.mobile_robot);
+        session.echoes && seen.is_some_and(|seen| seen.order.is_none())
     }
 
     /// F2 in B: the prefetched load does not wait in the gripper for ever.
@@ -493,6 +518,7 @@ impl Work<'_> {
             job: job.id,
             steps,
             drop,
+            definition: None,
         });
         // What needed the old steps of this item needs the new ones.
         for phase in [Phase::Approach, Phase::VerifyOnMr] {

@@ -238,6 +238,9 @@ proptest! {
             again.replay(&serde_json::from_str(&serde_json::to_string(fact).unwrap()).unwrap());
         }
         prop_assert!(again.same_book(&cell), "replay differs");
+        let kept = serde_json::to_string(&cell.snapshot()).unwrap();
+        let kept = Cell::of_snapshot(serde_json::from_str(&kept).unwrap());
+        prop_assert!(kept.same_book(&cell), "a snapshot differs");
         prop_assert!(again.jobs(now).iter().all(|j| j.state != JobState::Complete || j.claims.is_empty()));
     }
 }

@@ -104,7 +104,7 @@ impl Core {
             }
             MobileMessage::Retry => self.retry(session),
             MobileMessage::SkipRetry => {
-                let mission = self.failed_docking(session)?;
+                let mission = self.may_dock_again(session)?;
                 mission.aborted = Some(Aborted::Failed);
                 mission.exit = true;
                 mission.phase = Phase::Ready;
@@ -125,18 +125,29 @@ impl Core {
         }
     }
 
-    fn failed_docking(&mut self, session: Option<Uuid>) -> Result<&mut Mission, String> {
+    /// The order whose docking is over and may be done again: it failed, or it went well as far as the robot knows, the
+    /// cell says otherwise, and the robot may still move.
+    fn may_dock_again(&mut self, session: Option<Uuid>) -> Result<&mut Mission, String> {
         let mission = self.of_session(session)?;
-        if mission.phase == Phase::DockFailed {
-            Ok(mission)
-        } else {
-            Err(format!("docking has not failed: {:?}", mission.phase))
+        match mission.phase {
+            Phase::DockFailed => Ok(mission),
+            Phase::Docked | Phase::Ready if mission.permit => Ok(mission),
+            Phase::Docked | Phase::Ready => Err("it is docked, and may not move".to_owned()),
+            Phase::Approach
+            | Phase::AtEntry
+            | Phase::Docking
+            | Phase::Leaving
+            | Phase::Delivering
+            | Phase::Unloading => Err(format!("docking has not failed: {:?}", mission.phase)),
         }
     }
 
     fn retry(&mut self, session: Option<Uuid>) -> Result<(), String> {
-        let mission = self.failed_docking(session)?;
+        let mission = self.may_dock_again(session)?;
         mission.phase = Phase::Approach;
+        // Wherever it thought the dock was: it looks for it anew.
+        mission.dock = mission.ordered_dock;
+        mission.docked_at = None;
         let approach = mission.approach;
         self.clear_error("DOCKING_FAILED");
         self.motion.measure();

@@ -3,20 +3,21 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use jiff::Timestamp;
-use journal::{Appended, CellDecided, Claim, LookupError, Position, ReadError, Record, Replay};
-use thiserror::Error;
+use journal::{Appended, CellDecided, Claim, Head, LookupError, Record, Replay};
 use tokio::sync::{mpsc, watch};
 use tokio::time::Instant;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 use uuid::Uuid;
-use workflow::{Cell, Effect, Fact, Input, Refusal, Reply, Setup};
+use workflow::{Cell, Effect, Fact, Input, Refusal, Reply};
 
 use super::arm::{ArmPort, Operation};
 use super::clock::CellClock;
 use super::handle::{Ask, CellHandle, Refused, Told};
 use super::ids::Ids;
 use super::places::Places;
+use super::recovered::Recovered;
+use super::snapshots::Snapshots;
 use super::told::TellTimes;
 use crate::clock::WallClock;
 use crate::journal::{SharedJournal, Trouble};
@@ -24,101 +25,8 @@ use crate::journal::{SharedJournal, Trouble};
 /// Inputs that may wait. An arm has one operation at a time and is looked at a few times a second, so this only fills
 /// if the journal stands still.
 const WAITING: usize = 1_024;
-/// Decisions read at a time at the start.
-const PAGE: usize = 1_000;
 /// How often a result that could not be kept is tried again.
 const RETRY: Duration = Duration::from_millis(500);
-
-/// Why a cell did not start.
-#[derive(Debug, Error)]
-pub enum StartError {
-    /// The journal cannot be read.
-    #[error("reading the decisions of cell `{cell}`")]
-    Read {
-        /// The cell.
-        cell: String,
-        /// Why.
-        #[source]
-        source: ReadError,
-    },
-    /// A decision is none that this program knows. Nothing is guessed: it was written by a newer one, or damaged.
-    #[error("the decision of cell `{cell}` at {position:?} is not understood")]
-    Decision {
-        /// The cell.
-        cell: String,
-        /// Where it stands.
-        position: Position,
-        /// Why.
-        #[source]
-        source: serde_json::Error,
-    },
-}
-
-/// A cell as its journal left it.
-#[derive(Debug)]
-pub(crate) struct Recovered {
-    cell: Cell,
-    told: TellTimes,
-    places: Places,
-    /// How many decisions were read.
-    pub(crate) decisions: usize,
-}
-
-impl Recovered {
-    /// Folds every decision of a cell. Nothing follows from them: their effects are of an earlier time.
-    ///
-    /// # Errors
-    /// They cannot be read or understood.
-    pub(crate) async fn read(
-        id: &str,
-        setup: Setup,
-        journal: &SharedJournal,
-        now: Timestamp,
-    ) -> Result<Self, StartError> {
-        let mut cell = Cell::new(setup);
-        let told = TellTimes::of(journal, now);
-        let places = Places::default();
-        let (mut after, mut decisions) = (Position::default(), 0);
-        loop {
-            let page = journal.decided(id, after, PAGE).await;
-            let page = page.map_err(|source| StartError::Read {
-                cell: id.to_owned(),
-                source,
-            })?;
-            for stored in &page {
-                after = stored.position;
-                decisions += 1;
-                let Record::CellDecided(decided) = &stored.record else {
-                    continue;
-                };
-                let facts: Vec<Fact> = serde_json::from_str(&decided.facts).map_err(|source| {
-                    StartError::Decision {
-                        cell: id.to_owned(),
-                        position: after,
-                        source,
-                    }
-                })?;
-                places.note(after, facts.iter());
-                for fact in &facts {
-                    cell.replay(fact);
-                    if let Fact::Told { mobile_robot, .. } = fact
-                        && let Some(last) = cell.outbox(mobile_robot, 0).last()
-                    {
-                        told.note(mobile_robot, last.n, stored.at.wall);
-                    }
-                }
-            }
-            if page.len() < PAGE {
-                return Ok(Self {
-                    cell,
-                    told,
-                    places,
-                    decisions,
-                });
-            }
-        }
-    }
-}
 
 /// The one task that owns a cell.
 pub(crate) struct Driver {
@@ -129,6 +37,14 @@ pub(crate) struct Driver {
     pub(crate) arms: BTreeMap<String, Arc<dyn ArmPort>>,
     pub(crate) tracker: TaskTracker,
     pub(crate) stop: CancellationToken,
+}
+
+/// What a snapshot is taken of.
+pub(super) struct State<'a> {
+    pub(super) id: &'a str,
+    pub(super) cell: &'a Cell,
+    pub(super) places: &'a Places,
+    pub(super) told: &'a TellTimes,
 }
 
 impl Driver {
@@ -146,7 +62,14 @@ impl Driver {
         );
         let ids = Ids::new(Arc::clone(&self.wall));
         let tracker = self.tracker.clone();
+        let snapshots = Snapshots::new(
+            u64::from(self.journal.upkeep().snapshot_after),
+            recovered.decisions,
+            recovered.snapshot_bytes,
+        );
         let task = Task {
+            snapshots,
+            kept: None,
             cell: recovered.cell,
             told: recovered.told,
             decided_at: self.wall.now(),
@@ -167,6 +90,9 @@ impl Driver {
 
 struct Task {
     cell: Cell,
+    snapshots: Snapshots,
+    /// The last decision, if it is not in the state yet as a whole.
+    kept: Option<Head>,
     told: TellTimes,
     /// When the last decision was kept.
     decided_at: Timestamp,
@@ -336,10 +262,31 @@ impl Task {
             }
         }
         let _before = self.view.send_replace(Arc::new(self.cell.clone()));
+        self.take_snapshot();
         Ok(Told {
             reply: decision.reply,
             replayed: false,
         })
+    }
+
+    /// Takes a snapshot where one is due. All facts of the last decision are folded.
+    fn take_snapshot(&mut self) {
+        let Some(covers) = self.kept.take() else {
+            return;
+        };
+        let state = State {
+            id: &self.driver.id,
+            cell: &self.cell,
+            places: &self.places,
+            told: &self.told,
+        };
+        self.snapshots.take(
+            &state,
+            covers,
+            &self.driver.journal,
+            &self.driver.wall,
+            &self.driver.tracker,
+        );
     }
 
     /// Keeps a decision, unless its key stands for an earlier one.
@@ -351,6 +298,7 @@ impl Task {
         let text = serde_json::to_string(facts).unwrap_or_else(|error| {
             unreachable!("facts are plain data and always have a JSON form: {error}")
         });
+        let bytes = text.len();
         let decided = CellDecided {
             cell: self.driver.id.clone(),
             facts: text,
@@ -377,6 +325,8 @@ impl Task {
         match kept.map_err(Refused::NotKept)? {
             Appended::New(receipt) => {
                 let position = receipt.head.position;
+                self.snapshots.count(bytes);
+                self.kept = Some(receipt.head);
                 self.places.note(position, facts.iter().copied());
                 Ok(None)
             }

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use jiff::Timestamp;
-use journal::Claim;
+use journal::{Claim, Position};
 use tokio::sync::{mpsc, oneshot, watch};
 use uuid::Uuid;
 use workflow::{Cell, Input, Refusal, Reply};
@@ -115,6 +115,17 @@ impl CellHandle {
     /// Where in the journal a job's facts are.
     pub(crate) fn span(&self, job: Uuid) -> Option<Span> {
         self.places.of(job)
+    }
+
+    /// The first record that an open job, session or question needs to be told as a whole.
+    pub(crate) fn first_needed(&self) -> Option<Position> {
+        let view = self.view();
+        self.places.first_needed(|job| view.is_open(job))
+    }
+
+    /// The records up to `last` were removed.
+    pub(crate) fn forget_through(&self, last: Position) {
+        self.places.forget_through(last);
     }
 
     /// The cell as it is now.

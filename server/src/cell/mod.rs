@@ -21,17 +21,20 @@ mod observe;
 mod outbox;
 mod places;
 mod push;
+mod recovered;
+mod snapshots;
 mod start;
 mod told;
 
 pub(crate) use clock::CellClock;
-pub use driver::StartError;
 pub(crate) use driver::told_before;
 pub(crate) use handle::{CellHandle, Refused, Told};
 pub(crate) use observe::safety;
 pub(crate) use outbox::Outboxes;
 pub(crate) use places::{Span, Subject, subject};
 pub(crate) use push::push;
+pub use recovered::StartError;
+pub(crate) use recovered::readable;
 pub(crate) use start::Parts;
 
 /// A cell without arms on a journal of its own, for tests of what listens to it.

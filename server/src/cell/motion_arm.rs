@@ -8,7 +8,7 @@ use api::{DoubtAnswer, MotionType, ProblemCode};
 use jiff::SignedDuration;
 use journal::{Claim, Digest, IdempotencyKey, LookupError, OutputLevel, Record as Entry};
 use kinematics::PendantJoints;
-use tokio::sync::watch;
+use tokio::sync::{Semaphore, watch};
 use tokio::time::{Instant, timeout};
 use uuid::Uuid;
 use workflow::{
@@ -41,6 +41,10 @@ const CLOSE_OUTPUT: u8 = 1;
 const CLOSED_INPUT: u8 = 1;
 const OPEN_INPUT: u8 = 2;
 const PART_INPUT: u8 = 3;
+/// Looks at a way that are no work for another thread.
+const AT_ONCE: usize = 1_500;
+/// One longer look at a time.
+static WAYS: Semaphore = Semaphore::const_new(1);
 /// How long an operation may wait before its first byte. After that it never starts.
 const NOT_AFTER: Duration = Duration::from_secs(10);
 /// A motion whose end never comes is stopped by the cell's own timers; this only ends what they forgot.
@@ -165,7 +169,7 @@ impl MotionArm {
     }
 
     /// What the controller is to be asked for.
-    fn asked(&self, action: &Action) -> Result<Asked, OpResult> {
+    async fn asked(&self, action: &Action) -> Result<Asked, OpResult> {
         let rejected = |text: String| OpResult::Rejected { text };
         match action {
             Action::Move {
@@ -177,7 +181,7 @@ impl MotionArm {
                 let kept = self.setup.current();
                 let to = self.resolve(&kept, target, *docked).map_err(rejected)?;
                 if *interpolation == Interpolation::Joint {
-                    self.check_way(&kept, &to.joints)?;
+                    self.check_way(kept, &to.joints).await?;
                 }
                 Ok(asked_motion(&to, *interpolation, *speed))
             }
@@ -201,17 +205,39 @@ impl MotionArm {
     }
 
     /// The way itself, not only its end, stays out of what nobody may touch.
-    fn check_way(&self, kept: &Kept, to: &PendantJoints) -> Result<(), OpResult> {
+    ///
+    /// The arm is looked at every degree of the joint that turns farthest, at most some 700 times, against each of its
+    /// keep-out zones. Of a small cell that is less than a millisecond, and done at once; what may be more is done on
+    /// a thread that answers nobody, one for all arms.
+    async fn check_way(&self, kept: Arc<Kept>, to: &PendantJoints) -> Result<(), OpResult> {
         let from = actual(&self.robot, &self.link).map_err(|problem| not_now(&problem))?;
         let samples = joint_path(&from.joints, to);
-        let Some(arm) = kept.setup.arm(self.id()) else {
-            return Ok(());
+        let id = self.id().to_owned();
+        let looks = samples.len() * kept.setup.keep_out_zones_of(&id);
+        let check = move || {
+            let checked = kept
+                .setup
+                .arm(&id)
+                .map(|arm| kept.setup.check_path(arm, &samples));
+            checked.transpose().map(drop)
         };
-        kept.setup
-            .check_path(arm, &samples)
-            .map_err(|violation| OpResult::Rejected {
-                text: violation.to_string(),
-            })
+        let checked = if looks <= AT_ONCE {
+            check()
+        } else {
+            let Ok(_alone) = WAYS.acquire().await else {
+                unreachable!("nobody closes it");
+            };
+            match tokio::task::spawn_blocking(check).await {
+                Ok(checked) => checked,
+                Err(error) => {
+                    let text = format!("the way could not be checked: {error}");
+                    return Err(OpResult::Rejected { text });
+                }
+            }
+        };
+        checked.map_err(|violation| OpResult::Rejected {
+            text: violation.to_string(),
+        })
     }
 
     async fn carry_out(&self, operation: &Operation) -> OpResult {
@@ -224,7 +250,7 @@ impl MotionArm {
             Ok(guard) => guard,
             Err(problem) => return not_now(&problem),
         };
-        let asked = match self.asked(&operation.action) {
+        let asked = match self.asked(&operation.action).await {
             Ok(asked) => asked,
             Err(result) => return result,
         };

@@ -2,6 +2,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use journal::Position;
+use serde::{Deserialize, Serialize};
 use uuid::Uuid;
 use workflow::{Evidence, Fact, Holder};
 
@@ -13,6 +14,13 @@ pub(crate) struct Places(Arc<Mutex<Index>>);
 struct Index {
     spans: BTreeMap<Uuid, Span>,
     /// The jobs of operations, sessions and questions that are open.
+    owners: BTreeMap<Uuid, Uuid>,
+}
+
+/// Places as they are kept with a snapshot.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct KeptPlaces {
+    spans: Vec<(Uuid, Position, Position)>,
     owners: BTreeMap<Uuid, Uuid>,
 }
 
@@ -36,6 +44,46 @@ impl Places {
                 span.last = position;
             }
         }
+    }
+
+    /// What is kept of them with a snapshot.
+    pub(super) fn kept(&self) -> KeptPlaces {
+        let index = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let spans = index.spans.iter();
+        KeptPlaces {
+            spans: spans
+                .map(|(job, span)| (*job, span.first, span.last))
+                .collect(),
+            owners: index.owners.clone(),
+        }
+    }
+
+    /// As they were kept.
+    pub(super) fn of_kept(kept: KeptPlaces) -> Self {
+        let spans = kept.spans.into_iter();
+        Self(Arc::new(Mutex::new(Index {
+            spans: spans
+                .map(|(job, first, last)| (job, Span { first, last }))
+                .collect(),
+            owners: kept.owners,
+        })))
+    }
+
+    /// The first record of all jobs for which `is_open` holds, or of which an operation, a session or a question is
+    /// open: their stories are read as a whole.
+    pub(super) fn first_needed(&self, is_open: impl Fn(Uuid) -> bool) -> Option<Position> {
+        let index = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let jobs = index.spans.keys().copied().filter(|job| is_open(*job));
+        jobs.chain(index.owners.values().copied())
+            .filter_map(|job| index.spans.get(&job))
+            .map(|span| span.first)
+            .min()
+    }
+
+    /// The records up to `last` were removed: a story without its beginning is none.
+    pub(super) fn forget_through(&self, last: Position) {
+        let mut index = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        index.spans.retain(|_, span| span.first > last);
     }
 
     /// Where a job's story is.

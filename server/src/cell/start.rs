@@ -10,11 +10,12 @@ use workflow::{Input, Setup};
 
 use super::arm::ArmPort;
 use super::clock::CellClock;
-use super::driver::{Driver, Recovered, StartError};
+use super::driver::Driver;
 use super::handle::{CellHandle, Refused};
 use super::in_use::in_use;
 use super::motion_arm::MotionArm;
 use super::observe::observe;
+use super::recovered::{Recovered, StartError};
 use crate::authority::{CellControl, Claim};
 use crate::clock::WallClock;
 use crate::journal::SharedJournal;
@@ -50,6 +51,7 @@ impl Parts<'_> {
         tracing::info!(
             cell.id = self.id,
             decisions = recovered.decisions,
+            snapshot_bytes = recovered.snapshot_bytes,
             "the cell's work was taken up"
         );
         let handle = Driver {

@@ -9,8 +9,9 @@ use workflow::Setup;
 
 use super::arm::ArmPort;
 use super::clock::CellClock;
-use super::driver::{Driver, Recovered};
+use super::driver::Driver;
 use super::handle::CellHandle;
+use super::recovered::Recovered;
 use crate::clock::{SystemClock, WallClock};
 use crate::journal::SharedJournal;
 
@@ -19,7 +20,15 @@ pub(crate) async fn handle(
     journal: &SharedJournal,
     arms: BTreeMap<String, Arc<dyn ArmPort>>,
 ) -> CellHandle {
-    let wall: Arc<dyn WallClock> = Arc::new(SystemClock);
+    handle_at(journal, arms, Arc::new(SystemClock)).await
+}
+
+/// The same by another clock.
+pub(crate) async fn handle_at(
+    journal: &SharedJournal,
+    arms: BTreeMap<String, Arc<dyn ArmPort>>,
+    wall: Arc<dyn WallClock>,
+) -> CellHandle {
     let recovered = Recovered::read("c1", Setup::default(), journal, wall.now())
         .await
         .unwrap();

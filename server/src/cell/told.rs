@@ -2,11 +2,16 @@ use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
 
 use crate::journal::{Keeps, SharedJournal};
 
 /// As many as an outbox holds: older messages are not in it any more.
 const REMEMBERED: usize = 256;
+
+/// When messages were written, as it is kept with a snapshot.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct KeptTimes(BTreeMap<String, BTreeMap<u64, Timestamp>>);
 
 /// When each message to a mobile robot was written, and each was last heard; and how messages are numbered.
 #[derive(Clone, Debug)]
@@ -64,6 +69,24 @@ impl TellTimes {
 
     pub(super) fn heard_at(&self, mobile_robot: &str) -> Option<Timestamp> {
         self.with(mobile_robot, |times| times.heard)
+    }
+
+    /// When the messages that are remembered were written, for a snapshot.
+    pub(super) fn kept(&self) -> KeptTimes {
+        let robots = self.robots.lock().unwrap_or_else(PoisonError::into_inner);
+        let times = robots.iter();
+        KeptTimes(
+            times
+                .map(|(robot, times)| (robot.clone(), times.written.clone()))
+                .collect(),
+        )
+    }
+
+    /// Takes up what was kept.
+    pub(super) fn take_up(&self, KeptTimes(kept): KeptTimes) {
+        for (robot, written) in kept {
+            self.with(&robot, |times| times.written = written);
+        }
     }
 
     /// Only of robots of the set-up, so there are not more of them.

@@ -11,6 +11,8 @@ use std::path::PathBuf;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
 
+use crate::journal::upkeep;
+
 pub(crate) use plan::MAX_DEADLINE_MS;
 pub use plan::{ConfigError, Plan, ServerPlan};
 pub use robot::{CellPlan, RobotPlan};
@@ -103,6 +105,20 @@ pub struct JournalSection {
     /// decided while nothing new begins: 1 to 4096, or 0 for none. 16 where absent.
     #[serde(deserialize_with = "reserve_mib")]
     pub reserve_mib: u16,
+    /// Decisions of a cell after which what they amount to is kept, so that a start reads only what came after: 1 to
+    /// 1000000. 1000 where absent.
+    #[serde(deserialize_with = "upkeep::snapshot_after")]
+    pub snapshot_after: u32,
+    /// Records older than so many days are removed, 1 to 36500. Absent: none is. What an open job or question, a
+    /// motion in doubt or an idempotency key still needs stays in any case.
+    #[serde(deserialize_with = "upkeep::keep_days")]
+    pub keep_days: Option<u32>,
+    /// The newest so many records stay, whatever their age: 1000 to 1000000000. 100000 where absent.
+    #[serde(deserialize_with = "upkeep::keep_records")]
+    pub keep_records: u32,
+    /// The folder, relative to the configuration's, that records are written out to before they are removed. Absent:
+    /// they are removed for good.
+    pub archive: Option<std::path::PathBuf>,
 }
 
 impl Default for JournalSection {
@@ -112,6 +128,10 @@ impl Default for JournalSection {
             allow_volatile_filesystem: false,
             restored: false,
             reserve_mib: 16,
+            snapshot_after: upkeep::default_snapshot_after(),
+            keep_days: None,
+            keep_records: upkeep::default_keep_records(),
+            archive: None,
         }
     }
 }

@@ -27,7 +27,9 @@ pub(super) fn motion_of(record: &Record) -> Option<MotionId> {
         | Record::JobEnded(_)
         | Record::SignalReceived(_)
         | Record::Audit(_)
-        | Record::CellDecided(_) => None,
+        | Record::CellDecided(_)
+        | Record::SnapshotTaken(_)
+        | Record::Pruned(_) => None,
     }
 }
 
@@ -87,6 +89,8 @@ pub(super) fn of_record(record: &Record, intent: Option<&Intent>) -> Option<Note
         },
         // Of the state machines; or of none of the parts that write journals now.
         Record::CellDecided(_)
+        | Record::SnapshotTaken(_)
+        | Record::Pruned(_)
         | Record::JobCreated(_)
         | Record::JobStep(_)
         | Record::JobEnded(_)

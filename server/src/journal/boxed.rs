@@ -4,9 +4,9 @@ use std::future::Future;
 use std::pin::Pin;
 
 use journal::{
-    AppendError, Appended, Begun, Claim, Clocks, Epoch, Head, Intent, Journal, LookupError,
-    MotionEntry, MotionId, MotionPhase, MotionStory, Position, ReadError, Record, Replay, Room,
-    Stored,
+    AppendError, Appended, Begun, Claim, Clocks, Epoch, Head, Intent, Journal, Kept, LookupError,
+    MotionEntry, MotionId, MotionPhase, MotionStory, NewSnapshot, Position, Pruning, ReadError,
+    Receipt, Record, Replay, Retained, Room, Row, Stored,
 };
 
 type Boxed<'a, T> = Pin<Box<dyn Future<Output = T> + Send + 'a>>;
@@ -46,6 +46,11 @@ macro_rules! any_journal {
 any_journal! {
     append(at: Clocks, record: Record) -> Result<Appended, AppendError>;
     begin_motion(at: Clocks, intent: Intent) -> Result<Begun, AppendError>;
+    keep_snapshot(at: Clocks, snapshot: NewSnapshot) -> Result<Receipt, AppendError>;
+    snapshot(cell: &'a str) -> Result<Option<Kept>, ReadError>;
+    rows(after: Position, limit: usize) -> Result<Vec<Row>, ReadError>;
+    retained(now: Clocks) -> Result<Retained, ReadError>;
+    prune(at: Clocks, through: Position, archive: Option<String>) -> Result<Pruning, AppendError>;
     page(after: Position, limit: usize) -> Result<Vec<Stored>, ReadError>;
     lookup(claim: &'a Claim, now: Clocks) -> Result<Option<Replay>, LookupError>;
     motion(motion: MotionId) -> Result<Option<MotionStory>, ReadError>;

@@ -7,7 +7,9 @@ mod audit;
 mod boxed;
 mod epochs;
 mod open;
+mod retention;
 mod trouble;
+pub(crate) mod upkeep;
 
 use std::fmt;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -16,8 +18,9 @@ use std::time::Duration;
 use jiff::Timestamp;
 use journal::{
     Appended, Audit, AuditResult, Begun, CellDecided, Claim, Clocks, Epoch, Head, Intent, Journal,
-    LookupError, MemoryDisk, MemoryJournal, MotionEntry, MotionId, MotionPhase, MotionStory,
-    Opening, Position, ReadError, Record, Replay, Stored,
+    Kept, LookupError, MemoryDisk, MemoryJournal, MotionEntry, MotionId, MotionPhase, MotionStory,
+    NewSnapshot, Opening, Position, Pruning, ReadError, Receipt, Record, Replay, Retained, Row,
+    Stored,
 };
 use tokio::sync::watch;
 use tokio::time::Instant;
@@ -26,7 +29,9 @@ pub(crate) use audit::{AuditHealth, JournalAudit};
 use boxed::AnyJournal;
 pub(crate) use epochs::JournalEpochs;
 pub use open::{JournalError, open};
+pub(crate) use retention::Retaining;
 pub(crate) use trouble::Trouble;
+pub use upkeep::{Retention, Upkeep};
 
 /// How many records a journal without a file keeps before it forgets the oldest.
 const KEPT_IN_MEMORY: usize = 20_000;
@@ -40,6 +45,7 @@ pub struct SharedJournal(Arc<Inner>);
 struct Inner {
     journal: Box<dyn AnyJournal>,
     keeps: Keeps,
+    upkeep: Upkeep,
     started: Instant,
     /// Why it can no longer be written, once it cannot.
     broken: OnceLock<Trouble>,
@@ -58,7 +64,12 @@ pub(crate) enum Keeps {
 impl SharedJournal {
     /// A journal that outlives the process.
     pub fn durable(journal: impl Journal) -> Self {
-        Self::new(journal, Keeps::OverRestarts)
+        Self::durable_with(journal, Upkeep::default())
+    }
+
+    /// A journal that outlives the process, of which snapshots are taken and records removed as `upkeep` says.
+    pub fn durable_with(journal: impl Journal, upkeep: Upkeep) -> Self {
+        Self::new(journal, Keeps::OverRestarts, upkeep)
     }
 
     /// A journal in memory: it has the newest records, and nothing of it survives a restart.
@@ -77,15 +88,21 @@ impl SharedJournal {
         };
         let journal = MemoryJournal::open(&MemoryDisk::forgetful(KEPT_IN_MEMORY), &opening)
             .expect("an empty disk in memory can be opened");
-        Self::new(journal, Keeps::UntilTheEnd)
+        // Nobody will start on it: what it forgets it forgets by itself, and no snapshot is read.
+        let upkeep = Upkeep {
+            snapshot_after: u32::MAX,
+            retention: None,
+        };
+        Self::new(journal, Keeps::UntilTheEnd, upkeep)
     }
 
-    fn new(journal: impl Journal, keeps: Keeps) -> Self {
+    fn new(journal: impl Journal, keeps: Keeps, upkeep: Upkeep) -> Self {
         let news = watch::Sender::new(journal.head().position);
         Self(Arc::new(Inner {
             news,
             journal: Box::new(journal),
             keeps,
+            upkeep,
             started: Instant::now(),
             broken: OnceLock::new(),
             clocks: Mutex::new(None),
@@ -94,6 +111,10 @@ impl SharedJournal {
 
     pub(crate) fn keeps(&self) -> Keeps {
         self.0.keeps
+    }
+
+    pub(crate) fn upkeep(&self) -> &Upkeep {
+        &self.0.upkeep
     }
 
     pub(crate) fn epoch(&self) -> Epoch {
@@ -179,6 +200,46 @@ impl SharedJournal {
         decided: CellDecided,
     ) -> Result<Appended, Trouble> {
         self.append(now, Record::CellDecided(decided)).await
+    }
+
+    /// Keeps what a cell's decisions amount to.
+    pub(crate) async fn keep_snapshot(
+        &self,
+        now: Timestamp,
+        snapshot: NewSnapshot,
+    ) -> Result<Receipt, Trouble> {
+        let at = self.reading(now);
+        let kept = self.0.journal.keep_snapshot(at, snapshot).await;
+        self.tell();
+        kept.map_err(|error| self.noted(&error))
+    }
+
+    /// What was kept last of a cell.
+    pub(crate) async fn snapshot(&self, cell: &str) -> Result<Option<Kept>, ReadError> {
+        self.0.journal.snapshot(cell).await
+    }
+
+    /// Which records there are, and which of them the journal itself needs.
+    pub(crate) async fn retained(&self, now: Timestamp) -> Result<Retained, ReadError> {
+        self.0.journal.retained(self.reading(now)).await
+    }
+
+    /// Records as they are kept.
+    pub(crate) async fn rows(&self, after: Position, limit: usize) -> Result<Vec<Row>, ReadError> {
+        self.0.journal.rows(after, limit).await
+    }
+
+    /// Removes the oldest records, up to `through` at most, some thousand at a time.
+    pub(crate) async fn prune(
+        &self,
+        now: Timestamp,
+        through: Position,
+        archive: Option<String>,
+    ) -> Result<Pruning, Trouble> {
+        let at = self.reading(now);
+        let pruned = self.0.journal.prune(at, through, archive).await;
+        self.tell();
+        pruned.map_err(|error| self.noted(&error))
     }
 
     pub(crate) async fn lookup(

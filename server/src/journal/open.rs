@@ -6,7 +6,7 @@ use journal::{
 };
 use thiserror::Error;
 
-use super::SharedJournal;
+use super::{Retention, SharedJournal, Upkeep};
 use crate::clock::WallClock;
 use crate::config::JournalSection;
 
@@ -58,7 +58,15 @@ pub async fn open(
     let journal = SqliteJournal::open(&path, &opening, &options)
         .await
         .map_err(|source| JournalError { path, source })?;
-    Ok(SharedJournal::durable(journal))
+    let upkeep = Upkeep {
+        snapshot_after: section.snapshot_after,
+        retention: section.keep_days.map(|days| Retention {
+            days,
+            records: section.keep_records,
+            archive: section.archive.as_ref().map(|path| folder.join(path)),
+        }),
+    };
+    Ok(SharedJournal::durable_with(journal, upkeep))
 }
 
 pub(super) fn program() -> String {

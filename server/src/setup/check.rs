@@ -356,7 +356,47 @@ impl Setup {
                 }
             }
         }
+        for (trigger, message) in self.untaught_triggers() {
+            found(Severity::Warning, format!("triggers/{trigger}"), message);
+        }
         findings
+    }
+
+    /// Triggers whose jobs no arm could do: the signal would come, and the job be refused, when nobody looks.
+    fn untaught_triggers(&self) -> Vec<(String, String)> {
+        let known = self.for_workflows();
+        let mut found = Vec::new();
+        for trigger in &self.triggers {
+            let job = &trigger.job;
+            let Some(point) = known.point(&job.point) else {
+                continue;
+            };
+            let mut arms: Vec<_> = point.arms.iter().collect();
+            if let Some(only) = &job.arm {
+                arms.retain(|arm| *arm == only);
+            }
+            let places = job.items.iter().flat_map(|item| {
+                let slot = workflow::PlaceRef::MobileRobot {
+                    point: job.point.clone(),
+                    slot: item.mr_slot.clone(),
+                };
+                [slot, workflow::PlaceRef::fixed(item.place.clone())]
+            });
+            let places: Vec<_> = places.collect();
+            let missing = |arm: &str| places.iter().find(|place| !known.is_taught(arm, place));
+            let missing: Vec<_> = arms
+                .iter()
+                .map(|arm| missing(arm).map(|place| format!("{arm} was not taught `{place}`")))
+                .collect();
+            if missing.iter().all(Option::is_some) {
+                let missing: Vec<_> = missing.into_iter().flatten().collect();
+                found.push((
+                    trigger.id.clone(),
+                    format!("its job would be refused: {}", missing.join(", ")),
+                ));
+            }
+        }
+        found
     }
 
     /// Whether some route leads from one point to another, over any number of points between.

@@ -70,6 +70,11 @@ impl Setup {
 }
 
 impl Setup {
+    /// How many zones an arm has to keep out of.
+    pub(crate) fn keep_out_zones_of(&self, arm: &str) -> usize {
+        self.zones_of(arm, ZoneKind::KeepOut).count()
+    }
+
     /// The hand-over zones that any part of an arm is in.
     pub(crate) fn handover_zones_of(&self, arm: &str, joints_deg: [f64; 6]) -> Vec<String> {
         let Some(arm) = self.arm(arm) else {

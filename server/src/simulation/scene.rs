@@ -78,6 +78,14 @@ pub(crate) fn scene(cell: &Cell, job: JobBody, now: Timestamp) -> Result<Scene, 
             speed_override: speed_override(robot),
         });
     }
+    if !view.mobile_robots().is_empty() {
+        // Their speeds, radii and times to dock are nowhere in a set-up.
+        scene.assumptions.push(
+            "mobile robots drive and dock like the default mobile emulator, whatever the real ones do: the arm's times are \
+             planned, theirs are not"
+                .to_owned(),
+        );
+    }
     for mobile in view.mobile_robots() {
         let id = mobile.id;
         let resource = Resource::MobileRobot(id.clone());

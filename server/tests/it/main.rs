@@ -35,4 +35,5 @@ mod refusals;
 mod serving;
 mod setup;
 mod simulated;
+mod slow_reader;
 mod support;

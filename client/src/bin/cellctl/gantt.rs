@@ -5,12 +5,12 @@ use std::fmt::Write as _;
 use api::{JobReport, JobSimulation, PhaseKind, PhaseReport};
 
 use crate::job::seconds;
-use crate::text::word;
+use crate::text::{whole_seconds, word};
 
 /// All in pixels.
 const ROW: f64 = 26.0;
 const BAR: f64 = 16.0;
-const LEFT: f64 = 250.0;
+const LEFT: f64 = 300.0;
 const CHART: f64 = 720.0;
 const RIGHT: f64 = 90.0;
 const TOP: f64 = 64.0;
@@ -31,7 +31,11 @@ const KINDS: [(PhaseKind, &str, &str); 6] = [
 
 /// The phases of a job that ran.
 pub(crate) fn svg(report: &JobReport) -> String {
-    drawing(report, &format!("job {}", report.job))
+    let Job { cell, begun } = Job::of(report);
+    drawing(
+        report,
+        &format!("job {} in cell {cell}, begun {begun}", report.job),
+    )
 }
 
 /// The phases of a job that was played in virtual time: a drawing must not pass for what really was.
@@ -40,13 +44,27 @@ pub(crate) fn svg_of_simulation(simulation: &JobSimulation) -> String {
         0 => "no violation".to_owned(),
         count => format!("violations: {count}"),
     };
+    let Job { cell, begun } = Job::of(&simulation.report);
     drawing(
         &simulation.report,
-        &format!(
-            "SIMULATED in cell {}, from its state at {}; {violations}",
-            simulation.report.cell, simulation.report.begun_at
-        ),
+        &format!("SIMULATED in cell {cell}, from its state at {begun}; {violations}"),
     )
+}
+
+/// What both drawings say of their job.
+struct Job<'a> {
+    cell: &'a str,
+    /// To the second: more is in the report.
+    begun: String,
+}
+
+impl<'a> Job<'a> {
+    fn of(report: &'a JobReport) -> Self {
+        Self {
+            cell: &report.cell,
+            begun: whole_seconds(report.begun_at),
+        }
+    }
 }
 
 /// One bar a phase, its attempts side by side; the axis is in seconds from the job's beginning.
@@ -67,13 +85,19 @@ fn drawing(report: &JobReport, subtitle: &str) -> String {
     line(format!(
         r##"<rect width="{width}" height="{height}" fill="#ffffff"/>"##
     ));
-    let title = format!(
-        "{}, {}: {} s, of these {} s in the queue",
+    let mut title = format!(
+        "{}, {}: {} s",
         word(report.workflow),
         word(report.state),
         seconds(report.total_ms),
-        seconds(report.queued_ms)
     );
+    if report.queued_ms > 0 {
+        let _ = write!(
+            title,
+            ", of these {} s in the queue",
+            seconds(report.queued_ms)
+        );
+    }
     line(format!(
         r#"<text x="16" y="26" font-size="15" font-weight="600">{}</text>"#,
         escaped(&title)
@@ -211,7 +235,7 @@ fn rows(count: usize) -> f64 {
 
 /// As much of a name as there is room for.
 fn shortened(name: &str) -> String {
-    const ROOM: usize = 36;
+    const ROOM: usize = 43;
     if name.chars().count() <= ROOM {
         return name.to_owned();
     }

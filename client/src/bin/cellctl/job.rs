@@ -550,7 +550,7 @@ fn figures(report: &JobReport) -> String {
         ("job", report.job.to_string()),
         ("workflow", word(report.workflow)),
         ("state", word(report.state)),
-        ("begun", report.begun_at.to_string()),
+        ("begun", text::whole_seconds(report.begun_at)),
         ("total", format!("{} s", seconds(report.total_ms))),
         ("in the queue", format!("{} s", seconds(report.queued_ms))),
         ("cycle time", format!("{} s", seconds(report.cycle_ms))),

@@ -1,7 +1,7 @@
 //! `cellctl journal`: a journal file, checked or written out. It needs no server, and the server may be running.
 
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
@@ -17,6 +17,7 @@ use crate::report::{Exit, Report};
 ///
 /// Examples:
 ///   cellctl journal verify cell.journal
+///   cellctl journal verify cell.journal --archive archive/*.jsonl
 ///   cellctl journal export cell.journal --output cell.jsonl
 #[derive(Args, Debug)]
 #[command(verbatim_doc_comment)]
@@ -34,6 +35,10 @@ enum JournalCommand {
         /// A last record known from elsewhere, POSITION:HASH: shows an end that was cut off.
         #[arg(long, value_name = "POSITION:HASH", value_parser = head)]
         head: Option<Head>,
+        /// Files that removed records were written out to, in their order: together with the journal they are the whole
+        /// chain from the first record on.
+        #[arg(long, value_name = "FILE", num_args = 1..)]
+        archive: Vec<PathBuf>,
     },
     /// Write the records as lines of JSON, byte for byte as they were hashed.
     Export {
@@ -48,8 +53,17 @@ enum JournalCommand {
 #[derive(Debug, Serialize)]
 struct Verified {
     holds: bool,
+    /// Records that are there.
     #[serde(skip_serializing_if = "Option::is_none")]
     records: Option<u64>,
+    /// The last record that was removed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    removed_through: Option<String>,
+    /// Whether archives were given, and are what was removed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    archives_match: Option<bool>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    snapshots: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
     head: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -66,45 +80,121 @@ struct Verified {
 
 pub(crate) async fn run(args: JournalArgs, json: bool) -> Result<Report, Failure> {
     match args.command {
-        JournalCommand::Verify { file, head } => Ok(verify(&file, head, json).await),
+        JournalCommand::Verify {
+            file,
+            head,
+            archive,
+        } => Ok(verify(&file, head, &archive, json).await),
         JournalCommand::Export { file, output } => Ok(export(&file, output.as_deref(), json).await),
     }
 }
 
-async fn verify(file: &Path, known: Option<Head>, json: bool) -> Report {
+async fn verify(file: &Path, known: Option<Head>, archives: &[PathBuf], json: bool) -> Report {
+    let archived = match proved(archives) {
+        Ok(archived) => archived,
+        Err(report) => return report,
+    };
     let (exit, verified) = match journal::verify(file, known).await {
-        Ok(report) => (
-            Exit::Done,
-            Verified {
-                holds: true,
-                records: Some(report.head.position.0),
-                head: Some(format!("{}:{}", report.head.position, report.head.hash)),
+        Ok(report) => {
+            let matches = archived.map(|archived| archived == report.base);
+            let gone = report.base != Head::EMPTY;
+            let verified = Verified {
+                holds: matches != Some(false),
+                records: Some(report.head.position.0 - report.base.position.0),
+                removed_through: gone.then(|| said(report.base)),
+                archives_match: matches,
+                snapshots: Some(report.snapshots),
+                head: Some(said(report.head)),
                 epoch: Some(report.epoch.0),
                 open_motions: Some(report.open_motions),
                 open_jobs: Some(report.open_jobs),
                 first_broken: None,
-                problem: None,
-            },
-        ),
+                problem: archived.filter(|_| matches == Some(false)).map(|archived| {
+                    format!(
+                        "the archives end at {}, and the records here begin behind {}",
+                        said(archived),
+                        said(report.base)
+                    )
+                }),
+            };
+            let exit = if verified.holds {
+                Exit::Done
+            } else {
+                Exit::Refused
+            };
+            (exit, verified)
+        }
         Err(error) => (exit_of(&error), broken(&error)),
     };
     if json {
         return Report::json(exit, &verified);
     }
     match &verified.problem {
-        None => Report::text(
-            exit,
-            &format!(
-                "The journal holds: {} records, epoch {}, {} motions and {} jobs without an end.\nhead {}",
-                verified.records.unwrap_or_default(),
-                verified.epoch.unwrap_or_default(),
-                verified.open_motions.unwrap_or_default(),
-                verified.open_jobs.unwrap_or_default(),
-                verified.head.as_deref().unwrap_or_default(),
-            ),
-        ),
+        None => Report::text(exit, &sentence(&verified)),
         Some(problem) => Report::error(exit, &format!("cellctl: {}: {problem}", file.display())),
     }
+}
+
+/// What was checked, what it proves, and what it cannot.
+fn sentence(verified: &Verified) -> String {
+    let mut lines = vec![format!(
+        "The journal holds: {} records, epoch {}, {} motions without an end.",
+        verified.records.unwrap_or_default(),
+        verified.epoch.unwrap_or_default(),
+        verified.open_motions.unwrap_or_default(),
+    )];
+    if let Some(snapshots) = verified.snapshots.filter(|count| *count > 0) {
+        lines.push(format!(
+            "{snapshots} snapshots, each the one its record tells of."
+        ));
+    }
+    match (&verified.removed_through, verified.archives_match) {
+        (Some(removed), Some(true)) => lines.push(format!(
+            "The records up to {removed} were removed, and the archives are what they were: one chain."
+        )),
+        (Some(removed), _) => lines.push(format!(
+            "The records up to {removed} were removed. What they said is not proved by this file; their archives, \
+             given with --archive, prove it."
+        )),
+        (None, _) => {}
+    }
+    lines.push(format!(
+        "head {}",
+        verified.head.as_deref().unwrap_or_default()
+    ));
+    lines.push(
+        "Kept elsewhere and given with --head, it shows later that nothing was cut off at the end."
+            .to_owned(),
+    );
+    lines.join("\n")
+}
+
+fn said(head: Head) -> String {
+    format!("{}:{}", head.position, head.hash)
+}
+
+/// The last record of the archives; none where none were given.
+fn proved(archives: &[PathBuf]) -> Result<Option<Head>, Report> {
+    if archives.is_empty() {
+        return Ok(None);
+    }
+    let mut files = Vec::with_capacity(archives.len());
+    for path in archives {
+        match File::open(path) {
+            Ok(file) => files.push(BufReader::new(file)),
+            Err(error) => {
+                let text = format!("cellctl: {}: {error}", path.display());
+                return Err(Report::error(Exit::Usage, &text));
+            }
+        }
+    }
+    journal::verify_archives(files).map(Some).map_err(|error| {
+        let problem = broken(&error).problem.unwrap_or_default();
+        Report::error(
+            exit_of(&error),
+            &format!("cellctl: the archives: {problem}"),
+        )
+    })
 }
 
 async fn export(file: &Path, output: Option<&Path>, json: bool) -> Report {
@@ -160,6 +250,8 @@ fn exit_of(error: &VerifyError) -> Exit {
         | VerifyError::Index { .. }
         | VerifyError::File { .. }
         | VerifyError::Export { .. }
+        | VerifyError::Unexplained { .. }
+        | VerifyError::Snapshot { .. }
         | VerifyError::Line(_) => Exit::Refused,
         VerifyError::Open { .. }
         | VerifyError::Read { .. }
@@ -182,8 +274,10 @@ fn broken(error: &VerifyError) -> Verified {
         VerifyError::Rule { position, .. } | VerifyError::Export { position, .. } => {
             Some(*position)
         }
+        VerifyError::Unexplained { base } => Some(base.next()),
         VerifyError::Open { .. }
         | VerifyError::Read { .. }
+        | VerifyError::Snapshot { .. }
         | VerifyError::Index { .. }
         | VerifyError::File { .. }
         | VerifyError::Line(_)
@@ -194,6 +288,9 @@ fn broken(error: &VerifyError) -> Verified {
     Verified {
         holds: false,
         records: None,
+        removed_through: None,
+        archives_match: None,
+        snapshots: None,
         head: None,
         epoch: None,
         open_motions: None,

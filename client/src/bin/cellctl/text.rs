@@ -131,6 +131,11 @@ impl fmt::Display for Table {
     }
 }
 
+/// A time for people: to the second, in UTC.
+pub(crate) fn whole_seconds(at: jiff::Timestamp) -> String {
+    at.strftime("%F %T UTC").to_string()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -8,11 +8,11 @@ use tokio::sync::oneshot;
 
 use super::MemoryOpenError;
 use crate::error::Cause;
-use crate::index::Index;
-use crate::rules::Verdict;
+use crate::index::{Base, Index};
+use crate::rules::{MotionPhase, Verdict, wall_ms};
 use crate::{
-    AppendError, Appended, Clocks, Effect, Epoch, Head, KeyEntry, Opening, Position, Receipt,
-    Record, Refusal, Room, Row, ServerStarted, Stored, Walker,
+    AppendError, Appended, Clocks, Digest, Effect, Epoch, Head, KeyEntry, NewSnapshot, Opening,
+    Position, Receipt, Record, Refusal, Retained, Room, Row, ServerStarted, Stored, Walker,
 };
 
 /// What the reserve is said to be; nothing is really held back in memory.
@@ -41,6 +41,10 @@ pub(super) struct State {
     /// The last record that was forgotten, and how many are kept before some are; none for all.
     forgotten: Head,
     keep: Option<usize>,
+    /// Of the last record that was removed on demand.
+    base: Base,
+    /// Texts of snapshots.
+    bodies: BTreeMap<Digest, String>,
     durable: Index,
     /// The durable records and those that wait for their sync.
     ahead: Index,
@@ -223,6 +227,90 @@ impl State {
         self.rows.get(index)
     }
 
+    pub(super) fn base(&self) -> Head {
+        self.forgotten
+    }
+
+    /// Whether what a snapshot covers is a decision of its cell.
+    pub(super) fn covers(&self, snapshot: &NewSnapshot) -> bool {
+        let decided = self.durable.decided.get(&snapshot.covers.position);
+        let there = self.row(snapshot.covers.position).map(head_of);
+        decided == Some(&snapshot.cell) && there == Some(snapshot.covers)
+    }
+
+    pub(super) fn keep_body(&mut self, digest: Digest, body: String) {
+        let _same = self.bodies.insert(digest, body);
+    }
+
+    pub(super) fn body(&self, digest: &Digest) -> Option<&str> {
+        self.bodies.get(digest).map(String::as_str)
+    }
+
+    /// Texts no record tells of any more.
+    fn forget_bodies(&mut self) {
+        let told = self.durable.snapshots.values();
+        let told: Vec<_> = told.map(|(_, taken)| taken.digest).collect();
+        self.bodies.retain(|digest, _| told.contains(digest));
+    }
+
+    /// Which records there are, and which are needed.
+    pub(super) fn retained(&self, now: &Clocks) -> Retained {
+        let index = &self.durable;
+        let motions = index.motions.values();
+        let open = motions.filter(|entry| entry.phase != MotionPhase::Closed);
+        let jobs = index.jobs.values().filter(|entry| entry.ended.is_none());
+        let until = index.keys.expired_until(wall_ms(now));
+        let is_open = |entry: &&KeyEntry| {
+            let motion = entry.motion.and_then(|motion| index.motions.get(&motion));
+            motion.is_some_and(|motion| motion.phase == MotionPhase::Open)
+        };
+        let keys = index.claims.values();
+        let keys = keys.filter(|entry| entry.used_ms > until || is_open(entry));
+        let undone = index.decided.iter().filter(|(position, cell)| {
+            let kept = index.snapshots.get(*cell);
+            kept.is_none_or(|(_, taken)| **position > taken.covers.position)
+        });
+        let needed = open
+            .map(|entry| entry.intent)
+            .chain(jobs.map(|entry| entry.created))
+            .chain(keys.map(|entry| entry.position))
+            .chain(undone.map(|(position, _)| *position))
+            .fold(self.head().position, Position::min);
+        Retained {
+            base: self.forgotten,
+            removable: Position(needed.0.saturating_sub(1)).max(self.forgotten.position),
+        }
+    }
+
+    /// What the journal begins behind if `last` is the last record that is removed.
+    pub(super) fn base_at(&self, last: Position) -> Option<Base> {
+        let head = head_of(self.row(last)?);
+        let mut base = Base { head, ..self.base };
+        for row in self.rows.iter().take_while(|row| row.position <= last) {
+            let stored = Stored::decode(&row.body).ok()?;
+            base.epoch = stored.epoch;
+            if let Record::ServerStarted(started) = &stored.record {
+                base.keys = started.keys;
+            }
+        }
+        Some(base)
+    }
+
+    fn forget_through(&mut self, base: Base) {
+        let last = base.head;
+        while self
+            .rows
+            .front()
+            .is_some_and(|row| row.position <= last.position)
+        {
+            let _oldest = self.rows.pop_front();
+        }
+        (self.forgotten, self.base) = (last, base);
+        let first = last.position.next();
+        self.durable.forget_before(first);
+        self.ahead.forget_before(first);
+    }
+
     fn forget_old(&mut self) {
         let Some(keep) = self.keep else { return };
         if self.rows.len() < keep.saturating_mul(2) {
@@ -325,10 +413,25 @@ impl State {
         if kept {
             self.ahead_head = receipt.head;
             self.rows.push_back(row);
-            self.durable
+            let _change = self
+                .durable
                 .replay(stored)
                 .expect("a record that was judged once is judged the same again");
-            self.forget_old();
+            match &stored.record {
+                Record::Pruned(pruned) => self.forget_through(Base::of(pruned)),
+                Record::SnapshotTaken(_) => self.forget_bodies(),
+                Record::ServerStarted(_)
+                | Record::Intent(_)
+                | Record::Accepted(_)
+                | Record::Outcome(_)
+                | Record::JobCreated(_)
+                | Record::JobStep(_)
+                | Record::JobEnded(_)
+                | Record::SignalReceived(_)
+                | Record::Decision(_)
+                | Record::Audit(_)
+                | Record::CellDecided(_) => self.forget_old(),
+            }
         }
         match fault {
             None => Ok(Appended::New(receipt)),
@@ -388,7 +491,7 @@ impl State {
     }
 }
 
-fn head_of(row: &Row) -> Head {
+pub(super) fn head_of(row: &Row) -> Head {
     Head {
         position: row.position,
         hash: row.hash,

@@ -15,9 +15,10 @@ use disk::{State, Wait};
 use crate::error::check_limit;
 use crate::rules::judge_claim;
 use crate::{
-    AppendError, Appended, Broken, Claim, Clocks, Effect, Epoch, Head, JobEntry, JobId, Journal,
-    KeyEntry, LookupError, MotionEntry, MotionId, MotionPhase, MotionStory, Opening, Position,
-    ReadError, Record, Replay, Room, Stored,
+    AppendError, Appended, Broken, Claim, Clocks, Digest, Effect, Epoch, Head, JobEntry, JobId,
+    Journal, Kept, KeyEntry, LookupError, MotionEntry, MotionId, MotionPhase, MotionStory,
+    NewSnapshot, Opening, Position, Pruned, Pruning, ReadError, Receipt, Record, Refusal, Replay,
+    Retained, Room, Row, Snapshot, SnapshotTaken, Stored,
 };
 
 /// A journal on a [`MemoryDisk`].
@@ -57,6 +58,14 @@ impl MemoryJournal {
         })
     }
 
+    async fn put(&self, at: Clocks, record: Record) -> Result<Appended, AppendError> {
+        let wait = self.disk.lock().append(self.opening, at, record)?;
+        match wait {
+            Wait::Ready(appended) => Ok(appended),
+            Wait::Held(answer) => held(answer).await,
+        }
+    }
+
     fn with<T>(&self, read: impl FnOnce(&State) -> Result<T, ReadError>) -> Result<T, ReadError> {
         let state = self.disk.lock();
         if state.is_open(self.opening) {
@@ -87,11 +96,115 @@ impl Journal for MemoryJournal {
     }
 
     async fn append(&self, at: Clocks, record: Record) -> Result<Appended, AppendError> {
-        let wait = self.disk.lock().append(self.opening, at, record)?;
-        match wait {
-            Wait::Ready(appended) => Ok(appended),
-            Wait::Held(answer) => held(answer).await,
+        if record.is_reserved() {
+            return Err(AppendError::Refused(Refusal::Reserved {
+                kind: record.kind(),
+            }));
         }
+        self.put(at, record).await
+    }
+
+    async fn keep_snapshot(
+        &self,
+        at: Clocks,
+        snapshot: NewSnapshot,
+    ) -> Result<Receipt, AppendError> {
+        let taken = SnapshotTaken {
+            cell: snapshot.cell.clone(),
+            covers: snapshot.covers,
+            format: snapshot.format,
+            bytes: snapshot.body.len() as u64,
+            digest: Digest::of(snapshot.body.as_bytes()),
+        };
+        {
+            let mut state = self.disk.lock();
+            if let Some(refusal) = state.room.refusal() {
+                return Err(refusal);
+            }
+            if !state.covers(&snapshot) {
+                return Err(AppendError::Refused(Refusal::NotCovered {
+                    cell: snapshot.cell,
+                    covers: snapshot.covers.position,
+                }));
+            }
+            // Of no use until its record is there.
+            state.keep_body(taken.digest, snapshot.body);
+        }
+        match self.put(at, Record::SnapshotTaken(taken)).await? {
+            Appended::New(receipt) => Ok(receipt),
+            Appended::Replayed(_) => Err(AppendError::Closed {
+                effect: Effect::Unknown,
+            }),
+        }
+    }
+
+    async fn snapshot(&self, cell: &str) -> Result<Option<Kept>, ReadError> {
+        self.with(|state| {
+            let Some((position, taken)) = state.durable().snapshots.get(cell) else {
+                return Ok(None);
+            };
+            Ok(Some(match state.body(&taken.digest) {
+                Some(body) => Kept::Whole(Snapshot {
+                    position: *position,
+                    taken: taken.clone(),
+                    body: body.to_owned(),
+                }),
+                None => Kept::Damaged {
+                    how: format!("the snapshot of cell `{cell}` is missing"),
+                },
+            }))
+        })
+    }
+
+    async fn rows(&self, after: Position, limit: usize) -> Result<Vec<Row>, ReadError> {
+        check_limit(limit)?;
+        self.with(|state| Ok(state.rows_behind(after).take(limit).cloned().collect()))
+    }
+
+    async fn retained(&self, now: Clocks) -> Result<Retained, ReadError> {
+        self.with(|state| Ok(state.retained(&now)))
+    }
+
+    async fn prune(
+        &self,
+        at: Clocks,
+        through: Position,
+        archive: Option<String>,
+    ) -> Result<Pruning, AppendError> {
+        let (retained, last) = {
+            let state = self.disk.lock();
+            let retained = state.retained(&at);
+            let last = through.min(retained.removable);
+            (retained, state.base_at(last))
+        };
+        let told: Vec<_> = {
+            let state = self.disk.lock();
+            let snapshots = state.durable().snapshots.values();
+            let gone =
+                snapshots.filter(|(at, _)| last.is_some_and(|last| *at <= last.head.position));
+            gone.map(|(_, taken)| taken.clone()).collect()
+        };
+        for taken in told {
+            let _receipt = self.put(at, Record::SnapshotTaken(taken)).await?;
+        }
+        let none = Pruning {
+            base: retained.base,
+            removed: 0,
+        };
+        let Some(last) = last else { return Ok(none) };
+        let removed = last.head.position.0 - retained.base.position.0;
+        let record = Record::Pruned(Pruned {
+            through: last.head,
+            records: removed,
+            epoch: last.epoch,
+            keys: last.keys,
+            archive,
+        });
+        let _receipt = self.put(at, record).await?;
+        Ok(Pruning {
+            base: last.head,
+            removed,
+        })
     }
 
     async fn page(&self, after: Position, limit: usize) -> Result<Vec<Stored>, ReadError> {
@@ -123,6 +236,9 @@ impl Journal for MemoryJournal {
                 return Ok(None);
             };
             let read = |position: Option<Position>| position.map(|at| state.read(at)).transpose();
+            if entry.intent <= state.base().position {
+                return Ok(None);
+            }
             Ok(Some(MotionStory {
                 phase: entry.phase,
                 intent: state.read(entry.intent)?,
@@ -144,6 +260,10 @@ impl Journal for MemoryJournal {
             let motions = state.durable().motions.values();
             let mut found: Vec<_> = motions
                 .filter(|entry| entry.intent > after && phases.contains(&entry.phase))
+                .filter(|entry| {
+                    // Of what is over the beginning may have been removed.
+                    entry.phase != MotionPhase::Closed || entry.intent > state.base().position
+                })
                 .copied()
                 .collect();
             found.sort_by_key(|entry| entry.intent);
@@ -179,7 +299,7 @@ impl Journal for MemoryJournal {
         self.with(|state| {
             let motions = state.durable().motions.values();
             let mut found: Vec<_> = motions
-                .filter(|entry| entry.intent < before)
+                .filter(|entry| entry.intent < before && entry.intent > state.base().position)
                 .copied()
                 .collect();
             found.sort_by_key(|entry| std::cmp::Reverse(entry.intent));

@@ -11,6 +11,7 @@
 //! `testdata/v1` freezes one example of each kind. Anything else needs a new number in the envelope's `v`.
 
 mod motion;
+mod upkeep;
 mod work;
 
 use serde::{Deserialize, Serialize};
@@ -19,6 +20,7 @@ pub use motion::{
     Accepted, Arrival, Asked, Completion, End, Hold, Intent, Mode, NoMotion, Observation, Outcome,
     OutputLevel, Repeatability, Standstill, Target,
 };
+pub use upkeep::{Pruned, SnapshotTaken};
 pub use work::{
     Answer, Audit, AuditResult, CellDecided, Decision, JobCreated, JobEnd, JobEnded, JobStep,
     ServerStarted, SignalReceived, StepState, Subject,
@@ -52,6 +54,10 @@ pub enum Record {
     Audit(Audit),
     /// The state machines of a cell decided something.
     CellDecided(CellDecided),
+    /// What the decisions of a cell amount to was kept. Written by the journal itself.
+    SnapshotTaken(SnapshotTaken),
+    /// The oldest records were removed. Written by the journal itself.
+    Pruned(Pruned),
 }
 
 impl Record {
@@ -70,6 +76,8 @@ impl Record {
             Self::Decision(_) => "decision",
             Self::Audit(_) => "audit",
             Self::CellDecided(_) => "cell_decided",
+            Self::SnapshotTaken(_) => "snapshot_taken",
+            Self::Pruned(_) => "pruned",
         }
     }
 
@@ -90,7 +98,9 @@ impl Record {
             | Self::JobEnded(_)
             | Self::SignalReceived(_)
             | Self::Audit(_)
-            | Self::CellDecided(_) => None,
+            | Self::CellDecided(_)
+            | Self::SnapshotTaken(_)
+            | Self::Pruned(_) => None,
         }
     }
 
@@ -111,7 +121,9 @@ impl Record {
             | Self::Outcome(_)
             | Self::SignalReceived(_)
             | Self::Audit(_)
-            | Self::CellDecided(_) => None,
+            | Self::CellDecided(_)
+            | Self::SnapshotTaken(_)
+            | Self::Pruned(_) => None,
         }
     }
 
@@ -129,7 +141,9 @@ impl Record {
             | Self::JobEnded(_)
             | Self::SignalReceived(_)
             | Self::Decision(_)
-            | Self::Audit(_) => None,
+            | Self::Audit(_)
+            | Self::SnapshotTaken(_)
+            | Self::Pruned(_) => None,
         }
     }
 
@@ -147,8 +161,19 @@ impl Record {
             | Self::JobEnded(_)
             | Self::SignalReceived(_)
             | Self::Decision(_)
-            | Self::Audit(_) => false,
+            | Self::Audit(_)
+            | Self::SnapshotTaken(_)
+            | Self::Pruned(_) => false,
         }
+    }
+
+    /// Whether only the journal itself writes it.
+    #[must_use]
+    pub fn is_reserved(&self) -> bool {
+        matches!(
+            self,
+            Self::ServerStarted(_) | Self::SnapshotTaken(_) | Self::Pruned(_)
+        )
     }
 
     /// The key the record takes, where it takes one.
@@ -165,7 +190,9 @@ impl Record {
             | Self::JobEnded(_)
             | Self::SignalReceived(_)
             | Self::Decision(_)
-            | Self::Audit(_) => None,
+            | Self::Audit(_)
+            | Self::SnapshotTaken(_)
+            | Self::Pruned(_) => None,
         }
     }
 }

@@ -105,17 +105,27 @@ pub(super) async fn head(
     let row = sqlx::query("SELECT * FROM head")
         .fetch_one(connection)
         .await?;
-    let head = Head {
-        position: position(&row, "position")?,
-        hash: digest(&row, "hash")?,
-    };
+    Ok((
+        head_of(&row)?,
+        Epoch(unsigned(&row, "epoch")?),
+        keys_of(&row)?,
+    ))
+}
+
+pub(super) fn head_of(row: &SqliteRow) -> Result<Head, sqlx::Error> {
+    Ok(Head {
+        position: position(row, "position")?,
+        hash: digest(row, "hash")?,
+    })
+}
+
+pub(super) fn keys_of(row: &SqliteRow) -> Result<KeyRetention, sqlx::Error> {
     let small =
-        |column| unsigned(&row, column).and_then(|value| u32::try_from(value).map_err(decode));
-    let keys = KeyRetention {
+        |column| unsigned(row, column).and_then(|value| u32::try_from(value).map_err(decode));
+    Ok(KeyRetention {
         max_age_s: small("max_age_s")?,
         max_count: small("max_count")?,
-    };
-    Ok((head, Epoch(unsigned(&row, "epoch")?), keys))
+    })
 }
 
 fn optional(row: &SqliteRow, column: &str) -> Result<Option<Position>, sqlx::Error> {

@@ -8,6 +8,7 @@ mod open;
 mod reader;
 mod reserve;
 mod store;
+mod upkeep;
 mod writer;
 
 use std::path::Path;
@@ -20,17 +21,18 @@ use tokio::sync::{mpsc, oneshot, watch};
 use tokio::task::JoinHandle;
 
 pub use filesystem::Filesystem;
-pub use offline::{Report, VerifyError, export, import, verify};
+pub use offline::{Report, VerifyError, export, import, verify, verify_archives};
 pub use open::OpenError;
 
 use crate::error::check_limit;
 use crate::rules::judge_claim;
 use crate::{
-    AppendError, Appended, Claim, Clocks, Effect, Epoch, Head, JobEntry, JobId, Journal,
-    KeyRetention, LookupError, MotionEntry, MotionId, MotionPhase, MotionStory, Opening, Position,
-    ReadError, Record, Replay, Room, Stored,
+    AppendError, Appended, Claim, Clocks, Effect, Epoch, Head, JobEntry, JobId, Journal, Kept,
+    KeyRetention, LookupError, MotionEntry, MotionId, MotionPhase, MotionStory, NewSnapshot,
+    Opening, Position, Pruning, ReadError, Receipt, Record, Refusal, Replay, Retained, Room, Row,
+    Stored,
 };
-use writer::{Request, Writer};
+use writer::{Done, Request, Work, Writer};
 
 /// How a journal file is used.
 #[derive(Clone, Debug)]
@@ -153,6 +155,30 @@ impl SqliteJournal {
         }
     }
 
+    /// Has the writer do something, and waits until it is durable.
+    async fn ask<T>(
+        &self,
+        at: Clocks,
+        work: Work,
+        pick: fn(Done) -> Option<T>,
+    ) -> Result<T, AppendError> {
+        let (answer, answered) = oneshot::channel();
+        let request = Request { at, work, answer };
+        self.queue.try_send(request).map_err(|error| match error {
+            mpsc::error::TrySendError::Full(_) => AppendError::Busy {
+                capacity: self.queue.max_capacity(),
+            },
+            mpsc::error::TrySendError::Closed(_) => AppendError::Closed {
+                effect: Effect::None,
+            },
+        })?;
+        let closed = || AppendError::Closed {
+            effect: Effect::Unknown,
+        };
+        let done = answered.await.unwrap_or_else(|_| Err(closed()))?;
+        pick(done).ok_or_else(closed)
+    }
+
     async fn reader(&self) -> Result<PoolConnection<sqlx::Sqlite>, ReadError> {
         self.readers.acquire().await.map_err(reader::store)
     }
@@ -172,19 +198,49 @@ impl Journal for SqliteJournal {
     }
 
     async fn append(&self, at: Clocks, record: Record) -> Result<Appended, AppendError> {
-        let (answer, answered) = oneshot::channel();
-        let request = Request { at, record, answer };
-        self.queue.try_send(request).map_err(|error| match error {
-            mpsc::error::TrySendError::Full(_) => AppendError::Busy {
-                capacity: self.queue.max_capacity(),
-            },
-            mpsc::error::TrySendError::Closed(_) => AppendError::Closed {
-                effect: Effect::None,
-            },
-        })?;
-        answered.await.unwrap_or(Err(AppendError::Closed {
-            effect: Effect::Unknown,
-        }))
+        if record.is_reserved() {
+            return Err(AppendError::Refused(Refusal::Reserved {
+                kind: record.kind(),
+            }));
+        }
+        self.ask(at, Work::Record(Box::new(record)), Done::appended)
+            .await
+    }
+
+    async fn keep_snapshot(
+        &self,
+        at: Clocks,
+        snapshot: NewSnapshot,
+    ) -> Result<Receipt, AppendError> {
+        self.ask(at, Work::Snapshot(Box::new(snapshot)), Done::snapshot)
+            .await
+    }
+
+    async fn prune(
+        &self,
+        at: Clocks,
+        through: Position,
+        archive: Option<String>,
+    ) -> Result<Pruning, AppendError> {
+        self.ask(at, Work::Prune { through, archive }, Done::pruned)
+            .await
+    }
+
+    async fn snapshot(&self, cell: &str) -> Result<Option<Kept>, ReadError> {
+        reader::snapshot(&mut *self.reader().await?, cell).await
+    }
+
+    async fn rows(&self, after: Position, limit: usize) -> Result<Vec<Row>, ReadError> {
+        check_limit(limit)?;
+        reader::rows(&mut *self.reader().await?, after, limit)
+            .await
+            .map_err(reader::store)
+    }
+
+    async fn retained(&self, now: Clocks) -> Result<Retained, ReadError> {
+        upkeep::retained(&mut *self.reader().await?, self.keys, now)
+            .await
+            .map_err(reader::store)
     }
 
     async fn page(&self, after: Position, limit: usize) -> Result<Vec<Stored>, ReadError> {

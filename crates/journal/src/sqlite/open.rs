@@ -12,7 +12,7 @@ use super::filesystem::{self, Filesystem};
 use super::lock::Lock;
 use super::reserve::{Pages, Reserve};
 use super::store::{APPLICATION_ID, SCHEMA_VERSION, Store};
-use super::{History, SqliteOptions, reader, writer};
+use super::{History, SqliteOptions, reader, upkeep, writer};
 use crate::{
     AppendError, Broken, Epoch, Head, MAX_PAGE, Opening, Position, Record, Room, ServerStarted,
     Walker,
@@ -70,7 +70,10 @@ pub enum OpenError {
         path: PathBuf,
     },
     /// A newer program wrote it.
-    #[error("the journal has version {found}, this program reads version {SCHEMA_VERSION}")]
+    #[error(
+        "the journal has version {found}, this program reads versions {SCHEMA_VERSION} and {}",
+        upkeep::PRUNED_VERSION
+    )]
     Newer {
         /// Its version.
         found: i64,
@@ -238,9 +241,11 @@ async fn prepare(connection: &mut SqliteConnection, path: &Path) -> Result<(), O
         (0, 0, 0) => Store::create(connection)
             .await
             .map_err(failed("making the tables")),
-        (APPLICATION_ID, SCHEMA_VERSION, _) => Store::add_tables(connection)
-            .await
-            .map_err(failed("adding a table")),
+        (APPLICATION_ID, SCHEMA_VERSION | upkeep::PRUNED_VERSION, _) => {
+            Store::add_tables(connection)
+                .await
+                .map_err(failed("adding a table"))
+        }
         (APPLICATION_ID, found, _) => Err(OpenError::Newer { found }),
         _ => Err(OpenError::NotAJournal {
             path: path.to_owned(),
@@ -265,16 +270,21 @@ where
 /// Walks the last `count` records and compares the end with the head.
 async fn check_end(store: &mut Store, count: u64) -> Result<(), OpenError> {
     let read = failed("reading the records");
-    let mut after = Position(store.head.position.0.saturating_sub(count));
+    let base = upkeep::base(&mut store.connection)
+        .await
+        .map_err(&read)?
+        .head;
+    let first = store.head.position.0.saturating_sub(count);
+    let mut after = Position(first).max(base.position);
     let mut walker: Option<Walker> = None;
     loop {
         let rows = reader::rows(&mut store.connection, after, MAX_PAGE)
             .await
             .map_err(&read)?;
         let Some(last) = rows.last() else { break };
-        after = last.position;
+        let before = std::mem::replace(&mut after, last.position);
         for row in rows {
-            let walker = walker.get_or_insert_with(|| begin(&row, store.head));
+            let walker = walker.get_or_insert_with(|| begin(&row, before, base, store.head));
             let stored = walker.step(&row).map_err(OpenError::Broken)?;
             if stored.epoch > store.epoch {
                 return Err(OpenError::Broken(Broken::BehindHead {
@@ -296,14 +306,15 @@ async fn check_end(store: &mut Store, count: u64) -> Result<(), OpenError> {
     }
 }
 
-/// What stands before the first row that is looked at is taken from that row, except at the very beginning.
-fn begin(first: &crate::Row, head: Head) -> Walker {
-    let before = match first.position.0.saturating_sub(1) {
-        0 => Head::EMPTY,
-        position => Head {
-            position: Position(position),
+/// The hash before the first row that is looked at is taken from that row, except where the journal begins.
+fn begin(first: &crate::Row, before: Position, base: Head, head: Head) -> Walker {
+    let before = if before == base.position {
+        base
+    } else {
+        Head {
+            position: before,
             hash: first.previous,
-        },
+        }
     };
     Walker::new(before).expecting(head)
 }

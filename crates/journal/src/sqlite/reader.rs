@@ -6,8 +6,9 @@ use sqlx::sqlite::SqliteConnection;
 
 use super::columns::{job_entry, motion_entry, phase_name, to_sql};
 use super::store::record_row;
+use super::upkeep;
 use crate::{
-    Broken, Head, JobEntry, JobId, KeyEntry, MotionEntry, MotionId, MotionPhase, MotionStory,
+    Broken, Head, JobEntry, JobId, Kept, KeyEntry, MotionEntry, MotionId, MotionPhase, MotionStory,
     Position, ReadError, Replay, Row, Stored,
 };
 
@@ -81,9 +82,19 @@ pub(super) async fn story(
     let Some(entry) = motion_row(connection, motion).await? else {
         return Ok(None);
     };
+    let intent = match record(connection, entry.intent).await {
+        Ok(intent) => intent,
+        // It has ended, and its beginning was removed with the old records.
+        Err(ReadError::Absent { position })
+            if position <= upkeep::base(connection).await.map_err(store)?.head.position =>
+        {
+            return Ok(None);
+        }
+        Err(error) => return Err(error),
+    };
     Ok(Some(MotionStory {
         phase: entry.phase,
-        intent: record(connection, entry.intent).await?,
+        intent,
         accepted: optional(connection, entry.accepted).await?,
         outcome: optional(connection, entry.outcome).await?,
         decision: optional(connection, entry.decision).await?,
@@ -112,7 +123,7 @@ pub(super) async fn motions(
     let mut query = if phases.contains(&MotionPhase::Closed) {
         sqlx::query(
             "SELECT * FROM motions WHERE intent > ? AND phase IN (?, ?, ?, ?, ?) \
-             ORDER BY intent LIMIT ?",
+             AND intent > (SELECT coalesce(max(position), 0) FROM base) ORDER BY intent LIMIT ?",
         )
     } else {
         sqlx::query(
@@ -175,12 +186,15 @@ pub(super) async fn latest_motions(
     before: Position,
     limit: usize,
 ) -> Result<Vec<MotionEntry>, ReadError> {
-    let rows = sqlx::query("SELECT * FROM motions WHERE intent < ? ORDER BY intent DESC LIMIT ?")
-        .bind(to_sql(before).map_err(store)?)
-        .bind(sql_limit(limit))
-        .fetch_all(connection)
-        .await
-        .map_err(store)?;
+    let rows = sqlx::query(
+        "SELECT * FROM motions WHERE intent < ? \
+         AND intent > (SELECT coalesce(max(position), 0) FROM base) ORDER BY intent DESC LIMIT ?",
+    )
+    .bind(to_sql(before).map_err(store)?)
+    .bind(sql_limit(limit))
+    .fetch_all(connection)
+    .await
+    .map_err(store)?;
     rows.iter()
         .map(|row| motion_entry(row).map_err(store))
         .collect()
@@ -205,6 +219,26 @@ pub(super) async fn decided(
     rows.iter()
         .map(|row| checked(&record_row(row).map_err(store)?))
         .collect()
+}
+
+/// What was kept of a cell, compared with its record.
+pub(super) async fn snapshot(
+    connection: &mut SqliteConnection,
+    cell: &str,
+) -> Result<Option<Kept>, ReadError> {
+    let found = upkeep::snapshot(connection, cell).await.map_err(store)?;
+    let Some((at, body)) = found else {
+        return Ok(None);
+    };
+    let told = match record(connection, at).await {
+        Ok(told) => told,
+        Err(error @ (ReadError::Absent { .. } | ReadError::Broken(_))) => {
+            let how = error.to_string();
+            return Ok(Some(Kept::Damaged { how }));
+        }
+        Err(error) => return Err(error),
+    };
+    Ok(Some(upkeep::judged(cell, at, &told.record, body)))
 }
 
 pub(super) async fn audits(

@@ -17,7 +17,7 @@ pub(super) const SCHEMA_VERSION: i64 = 1;
 const SCHEMA: &str = include_str!("schema.sql");
 const SCHEMA_ADDED: &str = include_str!("schema_added.sql");
 
-type Query = sqlx::query::Query<'static, Sqlite, SqliteArguments>;
+pub(super) type Query = sqlx::query::Query<'static, Sqlite, SqliteArguments>;
 
 /// The tables, and what the writer remembers of them.
 #[derive(Debug)]
@@ -270,7 +270,13 @@ impl Store {
         row.as_ref().map(job_entry).transpose()
     }
 
-    async fn run(&mut self, query: Query) -> Result<(), sqlx::Error> {
+    /// After keys were removed otherwise than one by one.
+    pub(super) async fn count_keys_again(&mut self) -> Result<(), sqlx::Error> {
+        self.key_count = count_keys(&mut self.connection).await?;
+        Ok(())
+    }
+
+    pub(super) async fn run(&mut self, query: Query) -> Result<(), sqlx::Error> {
         let _done = query.execute(&mut self.connection).await?;
         Ok(())
     }

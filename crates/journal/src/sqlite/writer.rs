@@ -16,8 +16,8 @@ use super::store::{CommitError, Store};
 use crate::error::{Cause, is_full};
 use crate::rules::Verdict;
 use crate::{
-    AppendError, Appended, Clocks, Effect, Head, KeyEntry, Position, Receipt, Record, Refusal,
-    Replay, Room, Row, Stored,
+    AppendError, Appended, Clocks, Effect, Head, KeyEntry, NewSnapshot, Position, Pruned, Pruning,
+    Receipt, Record, Refusal, Replay, Room, Row, Stored,
 };
 
 /// Requests of one transaction.
@@ -26,8 +26,53 @@ const MAX_GROUP: usize = 256;
 #[derive(Debug)]
 pub(super) struct Request {
     pub(super) at: Clocks,
-    pub(super) record: Record,
-    pub(super) answer: oneshot::Sender<Result<Appended, AppendError>>,
+    pub(super) work: Work,
+    pub(super) answer: oneshot::Sender<Admitted>,
+}
+
+/// What is to be written.
+#[derive(Debug)]
+pub(super) enum Work {
+    Record(Box<Record>),
+    Snapshot(Box<NewSnapshot>),
+    Prune {
+        through: Position,
+        archive: Option<String>,
+    },
+}
+
+/// What was written.
+#[derive(Debug)]
+pub(super) enum Done {
+    Appended(Appended),
+    Snapshot(Receipt),
+    Pruned(Pruning),
+}
+
+impl Done {
+    pub(super) fn appended(self) -> Option<Appended> {
+        if let Self::Appended(appended) = self {
+            Some(appended)
+        } else {
+            None
+        }
+    }
+
+    pub(super) fn snapshot(self) -> Option<Receipt> {
+        if let Self::Snapshot(receipt) = self {
+            Some(receipt)
+        } else {
+            None
+        }
+    }
+
+    pub(super) fn pruned(self) -> Option<Pruning> {
+        if let Self::Pruned(pruning) = self {
+            Some(pruning)
+        } else {
+            None
+        }
+    }
 }
 
 #[derive(Debug)]
@@ -42,7 +87,7 @@ pub(super) struct Writer {
 }
 
 /// What became of one request of a transaction.
-type Admitted = Result<Appended, AppendError>;
+pub(super) type Admitted = Result<Done, AppendError>;
 
 /// The transaction failed, and with it every request in it.
 #[derive(Debug)]
@@ -142,8 +187,25 @@ impl Writer {
         let no_room = self.reserve.room().refusal();
         let store = &mut self.store;
         store.begin().await.map_err(before("beginning"))?;
-        for Request { at, record, .. } in group {
-            results.push(admit(store, *at, record, no_room.as_ref()).await?);
+        for Request { at, work, .. } in group {
+            let done = match work {
+                Work::Record(record) => {
+                    let admitted = admit(store, *at, record, no_room.as_ref()).await?;
+                    admitted.map(Done::Appended)
+                }
+                // The reserve is for what ends or tells.
+                Work::Snapshot(snapshot) => match &no_room {
+                    Some(no_room) => Err(no_room.clone()),
+                    None => keep_snapshot(store, *at, snapshot)
+                        .await?
+                        .map(Done::Snapshot),
+                },
+                Work::Prune { through, archive } => {
+                    let pruned = prune(store, *at, *through, archive.as_ref()).await?;
+                    pruned.map(Done::Pruned)
+                }
+            };
+            results.push(done);
         }
         store.commit().await.map_err(|error| match error {
             CommitError::Before(source) => before("writing the head")(source),
@@ -190,7 +252,7 @@ async fn admit(
     at: Clocks,
     record: &Record,
     no_room: Option<&AppendError>,
-) -> Result<Admitted, Failure> {
+) -> Result<Result<Appended, AppendError>, Failure> {
     let verdict = store
         .judge(record, at)
         .await
@@ -220,6 +282,98 @@ async fn admit(
         head: store.head,
         epoch: store.epoch,
     })))
+}
+
+async fn keep_snapshot(
+    store: &mut Store,
+    at: Clocks,
+    snapshot: &NewSnapshot,
+) -> Result<Result<Receipt, AppendError>, Failure> {
+    let judged = store
+        .judge_snapshot(snapshot)
+        .await
+        .map_err(before("looking up what a snapshot covers"))?;
+    let record = match judged {
+        Ok(record) => record,
+        Err(refusal) => return Ok(Err(AppendError::Refused(refusal))),
+    };
+    let kept = keep_own(store, at, &record).await?;
+    if kept.is_ok() {
+        store
+            .keep_snapshot(&snapshot.cell, snapshot.covers.position, &snapshot.body)
+            .await
+            .map_err(before("writing the snapshot"))?;
+    }
+    Ok(kept)
+}
+
+async fn prune(
+    store: &mut Store,
+    at: Clocks,
+    through: Position,
+    archive: Option<&String>,
+) -> Result<Result<Pruning, AppendError>, Failure> {
+    let (retained, last) = store
+        .removable(at, through)
+        .await
+        .map_err(before("looking up what may be removed"))?;
+    let Some(last) = last else {
+        return Ok(Ok(Pruning {
+            base: retained.base,
+            removed: 0,
+        }));
+    };
+    // Of a cell that decides nothing the snapshot stays the same, and is told of again where its record goes.
+    let told = store
+        .snapshots_told_by(last.head.position)
+        .await
+        .map_err(before("looking up snapshots"))?;
+    for (cell, record) in told {
+        if let Err(refused) = keep_own(store, at, &record).await? {
+            return Ok(Err(refused));
+        }
+        let retold = store.retell_snapshot(&cell).await;
+        retold.map_err(before("writing the snapshot"))?;
+    }
+    let removed = last.head.position.0 - retained.base.position.0;
+    let record = Record::Pruned(Pruned {
+        through: last.head,
+        records: removed,
+        epoch: last.epoch,
+        keys: last.keys,
+        archive: archive.cloned(),
+    });
+    if let Err(refused) = keep_own(store, at, &record).await? {
+        return Ok(Err(refused));
+    }
+    store
+        .remove_through(last)
+        .await
+        .map_err(before("removing old records"))?;
+    Ok(Ok(Pruning {
+        base: last.head,
+        removed,
+    }))
+}
+
+/// Keeps a record of the journal's own.
+async fn keep_own(
+    store: &mut Store,
+    at: Clocks,
+    record: &Record,
+) -> Result<Result<Receipt, AppendError>, Failure> {
+    let row = match row(store, at, record) {
+        Ok(row) => row,
+        Err(refusal) => return Ok(Err(AppendError::Refused(refusal))),
+    };
+    store
+        .keep(row, crate::rules::Change::default(), &at)
+        .await
+        .map_err(before("writing the record"))?;
+    Ok(Ok(Receipt {
+        head: store.head,
+        epoch: store.epoch,
+    }))
 }
 
 fn row(store: &Store, at: Clocks, record: &Record) -> Result<Row, Refusal> {
@@ -258,7 +412,7 @@ fn before(step: &'static str) -> impl Fn(sqlx::Error) -> Failure {
     }
 }
 
-fn answer(request: Request, result: Result<Appended, AppendError>) {
+fn answer(request: Request, result: Admitted) {
     // Whoever has gone away learns it from a read.
     let _gone = request.answer.send(result);
 }

@@ -141,7 +141,7 @@ pub struct PlannedStep {
 }
 
 /// A step.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Step {
     pub plan: PlannedStep,
     pub state: StepState,
@@ -209,7 +209,7 @@ pub struct FaultNote {
 }
 
 /// A human had the arm of a job between two of its steps (C10).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct ByHand {
     /// The arm is not where the job left it: its first way is to the safe pose.
     pub displaced: bool,
@@ -218,7 +218,7 @@ pub(crate) struct ByHand {
 }
 
 /// A job.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Job {
     pub id: Uuid,
     /// Order of creation.
@@ -227,6 +227,9 @@ pub(crate) struct Job {
     pub trigger: Option<String>,
     /// The signal that fired it: mobile robot, boot, number.
     pub origin: Option<String>,
+    /// What its plan was made by; `None`: by a program that did not say so.
+    #[serde(default)]
+    pub definition: Option<crate::definition::Definition>,
     pub state: JobState,
     pub why: Why,
     pub text: String,

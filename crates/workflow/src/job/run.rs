@@ -191,6 +191,7 @@ impl Work<'_> {
     /// UNHOLDING, UNSUSPENDING: first the positions are read again, then the session, then it goes on.
     fn resume(&mut self, job: &Job) {
         if job.why != Why::Awaiting && self.may_resume(job).is_err() {
+            let _told = self.dropped_meanwhile(job);
             return;
         }
         if let Some(session) = self.cell.session_of(job).cloned()
@@ -222,6 +223,37 @@ impl Work<'_> {
         );
     }
 
+    /// F13 on top of another fault: while nobody could look, the mobile robot dropped its order. Waiting for it to be
+    /// well again would be for ever; the arm leaves, and it is called anew.
+    fn dropped_meanwhile(&mut self, job: &Job) -> bool {
+        let ready = job
+            .arm
+            .as_ref()
+            .is_none_or(|arm| self.cell.arm_ready(arm) && self.cell.arm_still(arm));
+        let told = matches!(
+            job.why,
+            Why::Fault {
+                fault: Fault::ModeChanged
+            }
+        );
+        let dropped = ready
+            && !told
+            && self.cell.ops_of(job.id).next().is_none()
+            && self.cell.session_of(job).is_some_and(|session| {
+                let from = session.faulted.map_or(session.state, |(from, _)| from);
+                let leaves = matches!(
+                    from,
+                    SessionState::TransferDone | SessionState::ExitGranted | SessionState::Exited
+                );
+                !leaves
+            })
+            && self.has_dropped_its_order(job);
+        if dropped {
+            self.mobile_fault(job, Fault::ModeChanged, "it dropped its order");
+        }
+        dropped
+    }
+
     /// SUSPENDED by a fault that may end by itself.
     fn run_suspended(&mut self, job: &Job) {
         let fault = match &job.why {
@@ -229,6 +261,9 @@ impl Work<'_> {
             Why::Recovering => Fault::Restarted,
             Why::Course | Why::Awaiting | Why::Human { .. } | Why::DeadlinePassed => return,
         };
+        if fault != Fault::ModeChanged && self.dropped_meanwhile(job) {
+            return;
+        }
         // F12, F13: the arm leaves the zone first.
         if let Some(step) = job
             .steps
@@ -292,6 +327,7 @@ impl Work<'_> {
             job: job.id,
             steps: b.steps(),
             drop: Vec::new(),
+            definition: None,
         });
         if let Some(job) = self.job(job.id) {
             self.step_to(&job, step, StepState::Running, "");

@@ -96,6 +96,7 @@ impl Work<'_> {
             job: job.id,
             steps: b.steps(),
             drop,
+            definition: None,
         });
         self.emit(Fact::CompensationMoved {
             job: job.id,

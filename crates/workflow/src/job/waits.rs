@@ -258,22 +258,7 @@ impl Work<'_> {
             if let Some(place) = items.get_mut(index) {
                 *place = to.clone();
             }
-            self.emit(Fact::ItemChanged {
-                job: job.id,
-                item: index,
-                to: to.clone(),
-            });
-            let place = slot_of(&job.spec, &to);
-            for (number, step) in job.steps.iter().enumerate() {
-                let there = step.plan.place.as_ref().is_some_and(PlaceRef::in_zone);
-                if there && step.plan.item == Some(index) && step.state == StepState::Pending {
-                    self.emit(Fact::StepRedirected {
-                        job: job.id,
-                        step: number,
-                        place: place.clone(),
-                    });
-                }
-            }
+            self.redirect_slot(job, index, to);
             changed = true;
         }
         changed
@@ -423,9 +408,11 @@ impl Work<'_> {
             None => format!("safe pose: {}", failure.reason),
         };
         self.note(job.id, Fault::Unreachable, text.clone());
-        let another = of_place
-            && job.spec.workflow == Workflow::DeliveryAndPlacement
-            && self.use_alternate(job, item);
+        let another = match (job.spec.workflow, of_place) {
+            (Workflow::DeliveryAndPlacement, true) => self.use_alternate(job, item),
+            (Workflow::PickupAndDelivery, false) => self.use_another_slot(job, step, item),
+            (Workflow::DeliveryAndPlacement, false) | (Workflow::PickupAndDelivery, true) => false,
+        };
         if another {
             if let Some(job) = self.job(job.id) {
                 self.emit(Fact::StepResent { job: job.id, step });
@@ -440,6 +427,71 @@ impl Work<'_> {
             },
             text,
         );
+    }
+
+    /// F6 in B: the next slot of the mobile robot that is free and was taught, each of them once.
+    fn use_another_slot(&mut self, job: &Job, step: usize, index: usize) -> bool {
+        let (Some(mobile_robot), Some(arm), Some(item)) =
+            (&job.mobile_robot, &job.arm, job.items.get(index))
+        else {
+            return false;
+        };
+        let Some(setup) = self.cell.setup.mobile_robot(mobile_robot) else {
+            return false;
+        };
+        let tried = job.step(step).map_or(0, |s| usize::from(s.resends));
+        let here = setup.slots.iter().position(|slot| *slot == item.slot);
+        if tried + 1 >= setup.slots.len() {
+            return false;
+        }
+        let next = setup
+            .slots
+            .iter()
+            .cycle()
+            .skip(here.map_or(0, |here| here + 1))
+            .take(setup.slots.len());
+        let free = next.filter(|slot| {
+            let place = PlaceRef::MobileRobot {
+                point: job.spec.point.clone(),
+                slot: (*slot).clone(),
+            };
+            let at = Location::MobileRobot {
+                mobile_robot: mobile_robot.clone(),
+                slot: (*slot).clone(),
+            };
+            !job.items.iter().any(|item| item.slot == **slot)
+                && self.cell.setup.is_taught(arm, &place)
+                && self.cell.is_free(&at)
+        });
+        let Some(slot) = free.clone().next().cloned() else {
+            return false;
+        };
+        let to = Item {
+            slot,
+            ..item.clone()
+        };
+        self.redirect_slot(job, index, to);
+        true
+    }
+
+    /// An item goes into another slot of the mobile robot.
+    fn redirect_slot(&mut self, job: &Job, index: usize, to: Item) {
+        let place = slot_of(&job.spec, &to);
+        self.emit(Fact::ItemChanged {
+            job: job.id,
+            item: index,
+            to,
+        });
+        for (number, step) in job.steps.iter().enumerate() {
+            let there = step.plan.place.as_ref().is_some_and(PlaceRef::in_zone);
+            if there && step.plan.item == Some(index) && step.state == StepState::Pending {
+                self.emit(Fact::StepRedirected {
+                    job: job.id,
+                    step: number,
+                    place: place.clone(),
+                });
+            }
+        }
     }
 
     /// Takes the next alternate that is free, reachable by teaching and not claimed. The old place is given back.

@@ -1,8 +1,10 @@
 //! A cell with the demo's set-up, an arm that does at once what it is told, and a mobile robot that a test speaks for.
 
+mod clock;
 mod full_disk;
 mod hand_over;
 mod push;
+mod snapshots;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -20,8 +22,9 @@ use workflow::{
 use super::arm::{ArmPort, Later, Operation};
 use super::handle::Refused;
 use super::{CellHandle, Outboxes, testing};
+use crate::clock::{SystemClock, WallClock};
 use crate::config::{CellSection, Plan, RobotSection, ServerSection, SetupSource};
-use crate::journal::SharedJournal;
+use crate::journal::{SharedJournal, Upkeep};
 use crate::setup::SetupBook;
 
 const DEMO: &str = include_str!("../../../../cell/demo.setup.toml");
@@ -66,12 +69,18 @@ impl ArmPort for Willing {
 
 struct World {
     work: CellHandle,
+    /// What is seen of the arm.
+    arm: watch::Sender<ArmSeen>,
     outboxes: Outboxes,
     seq: u64,
     state: MobileState,
 }
 
 fn opened(disk: &MemoryDisk) -> SharedJournal {
+    opened_with(disk, Upkeep::default())
+}
+
+fn opened_with(disk: &MemoryDisk, upkeep: Upkeep) -> SharedJournal {
     let opening = Opening {
         at: Clocks {
             wall: jiff::Timestamp::now(),
@@ -80,7 +89,7 @@ fn opened(disk: &MemoryDisk) -> SharedJournal {
         program: "test".into(),
         keys: KeyRetention::default(),
     };
-    SharedJournal::durable(MemoryJournal::open(disk, &opening).unwrap())
+    SharedJournal::durable_with(MemoryJournal::open(disk, &opening).unwrap(), upkeep)
 }
 
 fn book() -> Arc<SetupBook> {
@@ -100,6 +109,14 @@ fn book() -> Arc<SetupBook> {
 impl World {
     /// On what a disk has.
     async fn on(disk: &MemoryDisk) -> Self {
+        Self::on_journal(&opened(disk)).await
+    }
+
+    async fn on_journal(journal: &SharedJournal) -> Self {
+        Self::at(journal, Arc::new(SystemClock)).await
+    }
+
+    async fn at(journal: &SharedJournal, wall: Arc<dyn WallClock>) -> Self {
         let seen = ArmSeen {
             arm: "r1".to_owned(),
             link: true,
@@ -111,9 +128,10 @@ impl World {
             zones: Vec::new(),
             part_present: None,
         };
-        let arm: Arc<dyn ArmPort> = Arc::new(Willing(watch::Sender::new(seen)));
+        let seen = watch::Sender::new(seen);
+        let arm: Arc<dyn ArmPort> = Arc::new(Willing(seen.clone()));
         let arms = BTreeMap::from([("r1".to_owned(), arm)]);
-        let work = testing::handle(&opened(disk), arms).await;
+        let work = testing::handle_at(journal, arms, wall).await;
         let setup = book();
         let wanted = setup.current().setup.for_workflows();
         let _changed = work
@@ -127,6 +145,7 @@ impl World {
         let outboxes = Outboxes::new(work.clone(), setup);
         Self {
             work,
+            arm: seen,
             outboxes,
             seq: 0,
             state: MobileState {

@@ -118,3 +118,24 @@ fn what_does_not_fit_is_named() {
     let said = errors(&twice).to_string();
     assert!(said.contains("triggers[1].id: `unload` stands in an earlier entry"));
 }
+
+/// A job nobody asks for by hand is refused when nobody looks: the check says so before.
+#[test]
+fn a_trigger_whose_places_no_arm_was_taught_is_warned_of() {
+    let said = |text: &str| {
+        let check = setup(text).check();
+        let mut findings = check.findings.into_iter();
+        findings.find(|found| found.item == "triggers/unload")
+    };
+    assert_eq!(said(&text()), None);
+    let mut file = file(&text());
+    file.taught_poses
+        .retain(|taught| taught.place != "rack/d" || taught.arm != "r1");
+    let untaught = write_setup(&file, Form::Toml);
+    let found = said(&untaught).unwrap();
+    assert_eq!(found.severity, api::setup::Severity::Warning);
+    assert_eq!(
+        found.message,
+        "its job would be refused: r1 was not taught `rack/d`"
+    );
+}
