@@ -131,13 +131,13 @@ pub(crate) fn run(repeats: usize) -> Result<()> {
         for _ in 0..repeats {
             let begin = thread_time();
             let _instructions = machine::run(pair.karel)?;
-            let karel = (thread_time() - begin).as_secs_f64();
+            let karel = thread_time().saturating_sub(begin).as_secs_f64();
             let begin = thread_time();
             Lua::new()
                 .load(pair.lua)
                 .exec()
                 .map_err(|error| anyhow::anyhow!("{error}"))?;
-            let lua = (thread_time() - begin).as_secs_f64();
+            let lua = thread_time().saturating_sub(begin).as_secs_f64();
             rates.push(f64::from(ROUNDS) * f64::from(pair.statements) / karel / 1e6);
             ratios.push(lua / karel);
         }

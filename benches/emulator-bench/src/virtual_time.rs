@@ -12,6 +12,9 @@ use kinematics::ArmModel;
 use crate::median;
 use crate::process::thread_time;
 
+/// Measures a factor.
+type Measure<'a> = Box<dyn Fn() -> Result<f64> + 'a>;
+
 const SERVER: &str = include_str!("../../../programs/sock_server.kl");
 
 /// Moves to and fro for ever.
@@ -45,7 +48,7 @@ pub(crate) fn run(repeats: usize) -> Result<()> {
         .enable_all()
         .build()
         .context("a runtime")?;
-    let rows: [(&str, Box<dyn Fn() -> Result<f64>>, &str); 3] = [
+    let rows: [(&str, Measure<'_>, &str); 3] = [
         (
             "idle, with its socket server and the driver",
             Box::new(|| runtime.block_on(over_the_driver(SERVER, Duration::from_secs(1), 10_000))),
@@ -79,7 +82,7 @@ async fn over_the_driver(program: &str, step: Duration, steps: u32) -> Result<f6
     for _ in 0..steps {
         let _now = stepper.advance(step).await?;
     }
-    let rate = (step * steps).as_secs_f64() / (thread_time() - begin).as_secs_f64();
+    let rate = (step * steps).as_secs_f64() / thread_time().saturating_sub(begin).as_secs_f64();
     controller.shutdown().await;
     Ok(rate)
 }
@@ -91,5 +94,5 @@ fn in_the_core(steps: u32) -> Result<f64> {
         core.advance_fully(PERIOD * step);
         let _joints = black_box(core.joints_deg());
     }
-    Ok((PERIOD * steps).as_secs_f64() / (thread_time() - begin).as_secs_f64())
+    Ok((PERIOD * steps).as_secs_f64() / thread_time().saturating_sub(begin).as_secs_f64())
 }
