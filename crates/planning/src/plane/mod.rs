@@ -1,8 +1,8 @@
 //! Paths of a disc-shaped robot on a floor among polygons.
 //!
-//! Chapter 2.2 of the textbook: exact cell decomposition ([`trapezoids`]), approximate cell
-//! decomposition ([`quadtree`]), potential field with random walks ([`potential`]) and the
-//! probabilistic roadmap ([`roadmap`]). Lengths are millimeters.
+//! Chapter 2.2 of the textbook: exact cell decomposition ([`trapezoids()`]), approximate cell
+//! decomposition ([`quadtree()`]), potential field with random walks ([`potential()`]) and the
+//! probabilistic roadmap ([`roadmap()`]). Lengths are millimeters.
 //!
 //! ```
 //! use planning::plane::{self, Floor, Polygon};
