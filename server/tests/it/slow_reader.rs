@@ -34,13 +34,17 @@ fn large(seq: u64) -> Value {
     signal
 }
 
-/// The numbers of the signals told of, and the gaps.
+/// The numbers of the signals told of up to the last one or a gap, and the gaps.
 async fn read_until(stream: TcpStream, last: u64) -> (Vec<u64>, usize) {
     let (mut seen, mut gaps) = (Vec::new(), 0);
     let mut lines = BufReader::new(stream).lines();
     let read = async {
         while let Ok(Some(line)) = lines.next_line().await {
-            gaps += usize::from(line == "event: gap");
+            if line == "event: gap" {
+                // It leads to the newest event, behind which nothing may follow.
+                gaps += 1;
+                return;
+            }
             let Some(data) = line.strip_prefix("data: ") else {
                 continue;
             };
