@@ -101,11 +101,9 @@ async fn a_hundred_loaded_controllers_do_what_each_was_told_and_starve_nobody() 
         let mut done: Vec<_> = ledger
             .iter()
             .map(|entry| {
-                let starts = match entry.event {
-                    LedgerEvent::Started => true,
-                    LedgerEvent::Finished | LedgerEvent::Passed => false,
-                    other => panic!("{other:?}"),
-                };
+                let starts = entry.event == LedgerEvent::Started;
+                let ends = [LedgerEvent::Finished, LedgerEvent::Passed].contains(&entry.event);
+                assert!(starts || ends, "{entry:?}");
                 let pose = entry.target_pose;
                 let (y, z) = (thousandths(pose.y_mm), thousandths(pose.z_mm));
                 (starts, entry.motion, y, z)
