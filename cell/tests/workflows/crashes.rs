@@ -9,8 +9,9 @@ use karel_emulator::CmosMemory;
 use karel_emulator::gripper::GripperPosition;
 use serde_json::{Value, json};
 
-use crate::chance::{Chance, kills};
+use crate::chance::kills;
 use crate::kit::{A_JOB, SETUP, TestCell};
+use crate::random_moments::{Moments, crash_at_random};
 
 /// Rows of workflow A as a job shows them.
 const A: [&str; 15] = [
@@ -122,41 +123,16 @@ async fn r6_a_start_on_a_snapshot_goes_on_where_the_job_was() {
 /// Covers: F21, P6, P7, P8, P10, P13.
 #[tokio::test(flavor = "multi_thread")]
 async fn f21_p13_crashes_at_random_moments_and_during_the_recovery_do_nothing_twice() {
-    let (mut pulled, mut round, kills) = (0, 0, kills(40));
-    while pulled < kills {
-        round += 1;
-        let mut chance = Chance(round);
-        let mut cell = TestCell::start().await;
-        let jobs = [cell.delivery("rack/d").await, cell.pickup().await];
-        for job in &jobs {
-            for _ in 0..6 {
-                cell.after(Duration::from_millis(chance.below(300))).await;
-                cell.pull_the_plug();
-                pulled += 1;
-                // Every third start is killed in the middle of the recovery.
-                while chance.below(3) == 0 {
-                    cell.plug_in().await;
-                    cell.after(Duration::from_millis(chance.below(30))).await;
-                    cell.pull_the_plug();
-                    pulled += 1;
-                }
-                cell.start_server().await;
-                cell.assert_nothing_twice().await;
-                if cell.is_over(job).await {
-                    break;
-                }
-                let _said = cell.answer_everything().await;
-            }
-            let (ended, said) = cell.see_through(job).await;
-            let story = cell.assert_story(job).await;
-            eprintln!(
-                "round {round}, {pulled} pulled: {} {story:?} {said:#?}",
-                ended["state"]
-            );
-        }
-        cell.assert_sound().await;
-    }
-    eprintln!("{pulled} plugs pulled in {round} rounds");
+    crash_at_random(
+        TestCell::start,
+        &Moments {
+            kills: kills(40),
+            crashes_of_a_job: 6,
+            one_start_in: 3,
+            start_ms: 30,
+        },
+    )
+    .await;
 }
 
 /// Pulls the plug the moment something of the world is so.

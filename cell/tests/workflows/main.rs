@@ -22,6 +22,7 @@ mod judge;
 mod kit;
 mod mobile;
 mod operator;
+mod random_moments;
 mod run;
 mod sigkill;
 mod simulate;

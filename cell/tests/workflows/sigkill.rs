@@ -6,48 +6,24 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use crate::chance::{Chance, kills};
+use crate::chance::kills;
 use crate::child::Program;
 use crate::kit::TestCell;
+use crate::random_moments::{Moments, crash_at_random};
 
 /// Covers: F21, P5, P6, P7, P13.
 #[tokio::test(flavor = "multi_thread")]
 async fn f21_p13_a_killed_process_does_nothing_twice() {
-    let (mut killed, mut round, kills) = (0, 0, kills(20));
-    while killed < kills {
-        round += 1;
-        let mut chance = Chance(round);
-        let mut cell = TestCell::of_processes().await;
-        let jobs = [cell.delivery("rack/d").await, cell.pickup().await];
-        for job in &jobs {
-            for _ in 0..5 {
-                cell.after(Duration::from_millis(chance.below(300))).await;
-                cell.pull_the_plug();
-                killed += 1;
-                while chance.below(4) == 0 {
-                    // In the middle of its start.
-                    cell.plug_in().await;
-                    cell.after(Duration::from_millis(chance.below(60))).await;
-                    cell.pull_the_plug();
-                    killed += 1;
-                }
-                cell.start_server().await;
-                cell.assert_nothing_twice().await;
-                if cell.is_over(job).await {
-                    break;
-                }
-                let _said = cell.answer_everything().await;
-            }
-            let (ended, said) = cell.see_through(job).await;
-            let story = cell.assert_story(job).await;
-            eprintln!(
-                "round {round}, {killed} killed: {} {story:?} {said:#?}",
-                ended["state"]
-            );
-        }
-        cell.assert_sound().await;
-    }
-    eprintln!("{killed} processes killed in {round} rounds");
+    crash_at_random(
+        TestCell::of_processes,
+        &Moments {
+            kills: kills(20),
+            crashes_of_a_job: 5,
+            one_start_in: 4,
+            start_ms: 60,
+        },
+    )
+    .await;
 }
 
 /// The demo under its supervisor: the server is killed in the middle of a job, and the job ends.
