@@ -4,10 +4,6 @@ use std::process::ExitCode;
 
 use clap::Parser as _;
 
-/// A move makes a few hundred small things that live for a millisecond, on one thread or the other.
-#[global_allocator]
-static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
-
 fn main() -> ExitCode {
     match cell::start(&cell::Cli::parse()) {
         Ok(()) => ExitCode::SUCCESS,

@@ -18,10 +18,6 @@ use anyhow::Result;
 use benches::processes;
 use clap::{Parser, Subcommand};
 
-/// As the shipped program has it.
-#[global_allocator]
-static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
-
 /// A tier-0 move beside raw TCP and a bare axum route.
 #[derive(Debug, Parser)]
 struct Cli {

@@ -30,10 +30,6 @@ use anyhow::Result;
 use api::ControlToken;
 use clap::{Parser, Subcommand};
 
-/// As the shipped program has it.
-#[global_allocator]
-static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
-
 /// The service goals, with and without an attack.
 #[derive(Debug, Parser)]
 struct Cli {

@@ -42,6 +42,7 @@ pub(crate) async fn run(ports: &[u16], journal: &Path) -> Result<()> {
         push_urls: std::collections::BTreeMap::new(),
     };
     let server = ServerSection {
+        demo: true,
         legacy_robot: Some(format!("{CELL}/r0")),
         ..ServerSection::default()
     };
