@@ -31,7 +31,8 @@ const MAX_STEPS: u32 = 100_000;
 const MAX_ALARMS: i32 = 32;
 
 impl Exec<'_> {
-    /// Executes at most `fuel` instructions, with condition handlers.
+    /// Executes at most `fuel` instructions, with condition handlers. What was used is more than `fuel` if the conditions
+    /// cost more.
     pub(super) fn slice(&mut self, fuel: u32) -> (Stop, u32) {
         if fuel == 0 {
             return (Stop::OutOfFuel, 0);
@@ -43,10 +44,7 @@ impl Exec<'_> {
             } else {
                 self.look()
             };
-            // Conditions cost what they cost, but the task itself always gets on.
-            used = used
-                .saturating_add(std::mem::take(&mut self.looked))
-                .min(fuel - 1);
+            used = used.saturating_add(std::mem::take(&mut self.looked));
             if let Err(fault) = looked
                 && let Some(stop) = self.fail(fault)
             {
@@ -60,8 +58,10 @@ impl Exec<'_> {
                     return (Stop::Blocked(Wait::Continue), used);
                 }
             }
-            let (stop, more) = self.run(fuel - used);
-            used += more;
+            // Conditions cost what they cost, even more than there is: time must not depend on how a share is cut.
+            // The task itself always gets on.
+            let (stop, more) = self.run(fuel.saturating_sub(used).max(1));
+            used = used.saturating_add(more);
             match stop {
                 Stop::Failed(fault) => {
                     if let Some(stop) = self.fail(fault) {
