@@ -74,6 +74,7 @@ mod simulation;
 mod state;
 mod target;
 mod wire_bodies;
+mod words;
 
 pub use self::journal::{JournalError, Retention, SharedJournal, Upkeep, open as open_journal};
 pub use cell::StartError as CellStartError;
