@@ -45,10 +45,15 @@ impl Exec<'_> {
                 self.look()
             };
             used = used.saturating_add(std::mem::take(&mut self.looked));
-            if let Err(fault) = looked
-                && let Some(stop) = self.fail(fault)
-            {
-                return (stop, used);
+            if let Err(fault) = looked {
+                if let Some(stop) = self.fail(fault) {
+                    return (stop, used);
+                }
+                // The task stays inside of the condition that failed: only handlers that see its end go on.
+                if used >= fuel {
+                    return (Stop::OutOfFuel, used);
+                }
+                continue;
             }
             if !self.task.interrupted {
                 if let Some(stop) = self.end_if_it_must() {
