@@ -1,0 +1,4 @@
+//! The questions, each answered once with numbers by hand, and every item of bad input.
+
+mod postures;
+mod trajectories;
