@@ -61,7 +61,8 @@ pub(crate) fn sheet(
         .replace(" stroke=\"none\"", "");
     Ok(Drawing::new(format!(
         "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {wide} {high}\" \
-         xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" stroke-linejoin=\"round\">\n<title>{}</title>{}\n",
+         xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" \
+         stroke-linejoin=\"round\" stroke-linecap=\"round\">\n<title>{}</title>{}\n",
         escaped(title),
         body.trim_end(),
     )))

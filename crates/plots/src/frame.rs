@@ -116,6 +116,18 @@ impl<'a> Frame<'a> {
         Ok(())
     }
 
+    /// A line with round ends as thick as twice `radius`, in data units; the axes are equal.
+    pub(crate) fn capsule(
+        &self,
+        ends: [Place; 2],
+        radius: f64,
+        color: Color,
+    ) -> Result<(), PlotError> {
+        let pixels = (2.0 * radius / self.pixel.0).max(1.0);
+        let style = color.0.stroke_width(units(pixels).unsigned_abs());
+        self.draw(&PathElement::new(ends.to_vec(), style))
+    }
+
     /// A rectangle without an outline.
     pub(crate) fn rectangle(&self, corners: [Place; 2], color: Color) -> Result<(), PlotError> {
         self.draw(&Rectangle::new(corners, color.0.filled()))

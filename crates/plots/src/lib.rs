@@ -1,6 +1,6 @@
 //! Drawings of arms, trajectories and paths: plain numbers in, an SVG or a PNG out.
 //!
-//! What is drawn is described by plain data ([`Panel`], [`Map`], [`HeatMap`], [`Skeleton`]), in the units its labels
+//! [`answers`] draws the answers of the API: an arm, a trajectory, a route. What is drawn is described by plain data ([`Panel`], [`Map`], [`HeatMap`], [`Skeleton`]), in the units its labels
 //! name, so that a drawing says nothing that its data did not. The curves are drawn with `plotters` into an SVG; a PNG
 //! is that same SVG rendered by `resvg`, with a font that is part of the program. So neither needs a library or a font
 //! of the system, and both show the same.
@@ -22,6 +22,7 @@
 //! # Ok::<(), plots::PlotError>(())
 //! ```
 
+pub mod answers;
 mod canvas;
 mod drawing;
 mod error;
@@ -42,4 +43,4 @@ pub use heat::{HeatMap, heat_map};
 pub use map::{Item, Look, Map, map};
 pub use palette::Color;
 pub use panels::{Level, Line, Moment, Panel, panels};
-pub use skeleton::{Skeleton, Stick, skeleton};
+pub use skeleton::{Body, Capsule, Skeleton, Stick, skeleton};

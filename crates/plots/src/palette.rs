@@ -32,6 +32,12 @@ impl Color {
     pub const SOFT: Self = Self(RGBColor(0x5a, 0x60, 0x69));
     /// Light gray: what is behind.
     pub const FAINT: Self = Self(RGBColor(0xb4, 0xba, 0xc2));
+    /// The gray of bodies behind lines.
+    pub const BODY: Self = Self(RGBColor(0xdd, 0xe2, 0xe8));
+    /// The light green of a body at the start.
+    pub const START_BODY: Self = Self(RGBColor(0xbf, 0xe3, 0xd6));
+    /// The light purple of a body at the goal.
+    pub const GOAL_BODY: Self = Self(RGBColor(0xe8, 0xcd, 0xdf));
     /// White: nothing.
     pub(crate) const PAPER: Self = Self(RGBColor(0xff, 0xff, 0xff));
     /// Very light gray: the lines of a grid.

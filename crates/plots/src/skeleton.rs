@@ -27,6 +27,28 @@ pub struct Stick {
     pub letters: Vec<String>,
 }
 
+/// A cylinder with round ends in space: it looks alike from everywhere.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Capsule {
+    /// One end of its axis.
+    pub from: [f64; 3],
+    /// The other.
+    pub to: [f64; 3],
+    /// Its radius.
+    pub radius: f64,
+}
+
+/// Capsules of one color.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// For the legend.
+    pub name: String,
+    /// Its color.
+    pub color: Color,
+    /// Its parts.
+    pub capsules: Vec<Capsule>,
+}
+
 /// An arm and what is around it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Skeleton {
@@ -36,8 +58,25 @@ pub struct Skeleton {
     pub note: String,
     /// The unit of all coordinates: `mm`.
     pub unit: String,
+    /// What is behind the sticks.
+    pub bodies: Vec<Body>,
     /// What is drawn; what comes later lies on top.
     pub sticks: Vec<Stick>,
+}
+
+impl Skeleton {
+    /// The places that have to be in the picture.
+    fn places(&self) -> Vec<[f64; 3]> {
+        let sticks = self.sticks.iter().flat_map(|stick| &stick.points).copied();
+        let capsules = self.bodies.iter().flat_map(|body| &body.capsules);
+        let corners = capsules.flat_map(|capsule| {
+            [capsule.from, capsule.to].into_iter().flat_map(|end| {
+                let moved = |by: f64| end.map(|value| value + by);
+                [moved(capsule.radius), moved(-capsule.radius)]
+            })
+        });
+        sticks.chain(corners).collect()
+    }
 }
 
 const PANEL: f64 = 420.0;
@@ -61,18 +100,26 @@ pub fn skeleton(skeleton: &Skeleton) -> Result<Drawing, PlotError> {
             });
         }
     }
-    let points = || skeleton.sticks.iter().flat_map(|stick| &stick.points);
-    all_finite(title, points().flatten().copied())?;
-    let cube = Cube::around(&points()).ok_or_else(|| PlotError::Empty {
+    let places = skeleton.places();
+    all_finite(title, places.iter().flatten().copied())?;
+    let cube = Cube::around(&places).ok_or_else(|| PlotError::Empty {
         what: title.clone(),
     })?;
-    let legend = unique(skeleton.sticks.iter().map(|stick| Entry {
+    let bodies = skeleton.bodies.iter().map(|body| Entry {
+        sign: Sign::Fill {
+            color: body.color,
+            opacity: 1.0,
+        },
+        name: body.name.clone(),
+    });
+    let sticks = skeleton.sticks.iter().map(|stick| Entry {
         sign: Sign::Line {
             color: stick.color,
             pixels: stick.pixels,
         },
         name: stick.name.clone(),
-    }));
+    });
+    let legend = unique(bodies.chain(sticks));
     let heading = Heading {
         title,
         note: &skeleton.note,
@@ -107,10 +154,10 @@ struct Cube {
 
 impl Cube {
     /// The base of an arm, the origin, is always in it.
-    fn around<'a>(points: &(impl Iterator<Item = &'a [f64; 3]> + Clone)) -> Option<Self> {
-        let _first = points.clone().next()?;
+    fn around(points: &[[f64; 3]]) -> Option<Self> {
+        let _first = points.first()?;
         let range = |axis: usize| {
-            let numbers = points.clone().filter_map(move |point| point.get(axis));
+            let numbers = points.iter().filter_map(move |point| point.get(axis));
             extent(numbers.copied().chain([0.0])).unwrap_or((0.0, 0.0))
         };
         let ranges = [range(0), range(1), range(2)];
@@ -165,6 +212,12 @@ fn projection(
         let number = |axis: usize| point.get(axis).copied().unwrap_or_default();
         (number(across), number(up))
     };
+    for body in &skeleton.bodies {
+        for capsule in &body.capsules {
+            let ends = [flat(&capsule.from), flat(&capsule.to)];
+            frame.capsule(ends, capsule.radius, body.color)?;
+        }
+    }
     for stick in &skeleton.sticks {
         let points: Vec<(f64, f64)> = stick.points.iter().map(flat).collect();
         frame.line(&points, stick.color, stick.pixels)?;
@@ -265,6 +318,12 @@ fn in_space(area: &Area<'_>, rect: Rect, skeleton: &Skeleton, cube: Cube) -> Res
     };
     cage(cube, &line)?;
     numbers(area, cube, &skeleton.unit, &place)?;
+    for body in &skeleton.bodies {
+        for capsule in &body.capsules {
+            let pixels = (2.0 * capsule.radius / cube.side * scale).max(1.0);
+            line(&[capsule.from, capsule.to], body.color, pixels)?;
+        }
+    }
     for stick in &skeleton.sticks {
         // Its shadow on the floor shows where in X and Y it is.
         let floor: Vec<[f64; 3]> = stick
