@@ -1,7 +1,8 @@
 //! Models, forward and inverse kinematics.
 
-use api::PoseBody;
 use api::arms::{ArmForwardBody, ArmFrames, ArmInverseBody, ArmSolver, FiveLinkPoints};
+
+use crate::common::{assert_near, forward_of, pose};
 
 const MODELS: [&str; 6] = [
     "fanuc-m20ia",
@@ -11,24 +12,6 @@ const MODELS: [&str; 6] = [
     "scara",
     "seven-joint",
 ];
-
-fn pose([x_mm, y_mm, z_mm, w_deg, p_deg, r_deg]: [f64; 6]) -> PoseBody {
-    PoseBody {
-        x_mm,
-        y_mm,
-        z_mm,
-        w_deg,
-        p_deg,
-        r_deg,
-    }
-}
-
-fn forward_of(joints: &[f64]) -> ArmForwardBody {
-    ArmForwardBody {
-        joints_deg_mm: joints.to_vec(),
-        frames: ArmFrames::default(),
-    }
-}
 
 #[test]
 fn every_model_is_listed_and_described() {
@@ -46,7 +29,7 @@ fn every_model_is_listed_and_described() {
     }
     // Table 1 of the thesis: a2 = 790; J3 counts against the horizontal, so J2 is added to it.
     let m20 = robotics::describe("fanuc-m20ia").unwrap();
-    assert_eq!(m20.joints[1].a_mm, 790.0);
+    assert_near(&[m20.joints[1].a_mm], [790.0], 0.0);
     assert_eq!(m20.joints[2].couplings[0].joint, "J2");
     assert_eq!(m20.solvers[0], ArmSolver::ClosedForm);
     assert!(m20.solvers.contains(&ArmSolver::Quartic));
@@ -69,7 +52,7 @@ fn the_scara_is_where_it_is_by_hand() {
     }
     // Frames 0 to 4, flange, tool.
     assert_eq!(answer.link_frames.len(), 7);
-    assert_eq!(answer.link_frames[1].x_mm, 325.0);
+    assert_near(&[answer.link_frames[1].x_mm], [325.0], 1e-9);
     assert!(answer.outside.is_empty());
 }
 
@@ -85,11 +68,9 @@ fn tool_and_user_frame_are_counted_in() {
         ..forward_of(&[0.0, 0.0, 0.0, 0.0, -90.0, 0.0])
     };
     let answer = robotics::forward("fanuc-m20ia", &question).unwrap();
-    assert_eq!(answer.flange.x_mm, 85.0);
-    assert_eq!(
-        [answer.tcp.x_mm, answer.tcp.y_mm, answer.tcp.z_mm],
-        [85.0, 0.0, 840.0]
-    );
+    let tcp = answer.tcp;
+    let numbers = [answer.flange.x_mm, tcp.x_mm, tcp.y_mm, tcp.z_mm];
+    assert_near(&numbers, [85.0, 85.0, 0.0, 840.0], 1e-9);
     assert_eq!(answer.configuration.as_deref(), Some("N U T, 0, 0, 0"));
     // Turned by 180 about X: theta is 180, and only phi - psi is determined.
     assert!(!answer.tcp_zyz.regular && (answer.tcp_zyz.theta_deg - 180.0).abs() < 1e-9);
@@ -171,9 +152,7 @@ fn the_five_link_arm_answers_for_e_and_f() {
     };
     let question = points([250.0, 0.0, -650.0], [350.0, 0.0, -650.0]);
     let found = robotics::inverse("five-link", &question).unwrap();
-    for (is, wanted) in found.branches[0].joints_deg_mm.iter().zip(joints) {
-        assert!((is - wanted).abs() < 1e-9, "{found:?}");
-    }
+    assert_near(&found.branches[0].joints_deg_mm, joints, 1e-9);
     // 250 + 350 from B is as far as E can be: at 700 below A it is 400 from B, at 1000 it is 700 from B.
     let far = points([0.0, 0.0, -1000.0], [100.0, 0.0, -1000.0]);
     let refused = robotics::inverse("five-link", &far).unwrap_err();
