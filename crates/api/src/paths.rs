@@ -50,7 +50,7 @@ pub struct PolygonBody {
 pub struct PlanRouteBody {
     /// Where the robot may be at all.
     pub floor: FloorBody,
-    /// What stands there; at most 200 with 2000 corners together.
+    /// What stands there; at most 200, with 1000 corners together.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub obstacles: Vec<PolygonBody>,
     /// The disc around the robot.
@@ -81,7 +81,7 @@ pub struct RouteSearch {
     pub resolution_mm: Option<f64>,
     /// Samples of the roadmap after which it is given up; 5000 where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(minimum = 1, maximum = 20_000)]
+    #[schema(minimum = 1, maximum = 10_000)]
     pub samples: Option<u32>,
     /// Steps in the potential field after which it is given up; 400,000 where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -142,8 +142,9 @@ pub struct TrajectoryPeaks {
     pub max_acceleration_deg_mm_s2: f64,
     /// The highest jerk.
     pub jerk_deg_mm_s3: f64,
-    /// What it may be.
-    pub max_jerk_deg_mm_s3: f64,
+    /// What it may be; absent for a tool path, which keeps speeds and accelerations only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_jerk_deg_mm_s3: Option<f64>,
 }
 
 /// How a via point is passed.

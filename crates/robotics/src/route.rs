@@ -8,7 +8,7 @@ use crate::convert::shown;
 use crate::refusal::{Refusal, RefusalKind, count_or, length, within, within_or};
 
 const MOST_OBSTACLES: usize = 200;
-const MOST_CORNERS: usize = 2000;
+const MOST_CORNERS: usize = 1000;
 const LENGTH_MM: [f64; 2] = [-1e6, 1e6];
 
 /// A path of a disc-shaped robot from start to goal among polygons.
@@ -58,7 +58,7 @@ pub fn plan_route(body: &PlanRouteBody) -> Result<PlanRouteResult, Refusal> {
             plane::potential(&floor, start, goal, &field)
         }
         RouteMethod::Roadmap => {
-            let most = count_or("search.samples", search.samples, 5000, [1, 20_000])?;
+            let most = count_or("search.samples", search.samples, 5000, [1, 10_000])?;
             let sampling = Sampling {
                 seed,
                 most,

@@ -91,7 +91,7 @@ pub(crate) fn peaks(
                 acceleration_deg_mm_s2: own(most(|state| state.acceleration)),
                 max_acceleration_deg_mm_s2: own(limits.acceleration),
                 jerk_deg_mm_s3: own(jerks.fold(0.0, |a, b| larger(a, b.abs()))),
-                max_jerk_deg_mm_s3: own(limits.jerk),
+                max_jerk_deg_mm_s3: limits.jerk.is_finite().then(|| own(limits.jerk)),
             }
         })
         .collect()
@@ -110,6 +110,7 @@ pub(crate) fn within_limits(peaks: &[TrajectoryPeaks]) -> bool {
             && keeps(p.max_deg_mm - most, 0.0)
             && keeps(p.velocity_deg_mm_s, p.max_velocity_deg_mm_s)
             && keeps(p.acceleration_deg_mm_s2, p.max_acceleration_deg_mm_s2)
-            && keeps(p.jerk_deg_mm_s3, p.max_jerk_deg_mm_s3)
+            && p.max_jerk_deg_mm_s3
+                .is_none_or(|most| keeps(p.jerk_deg_mm_s3, most))
     })
 }

@@ -45,10 +45,10 @@ pub struct ArmTransferBody {
     pub start_deg: Vec<f64>,
     /// The joints at the goal.
     pub goal_deg: Vec<f64>,
-    /// What is in the way; at most 200.
+    /// What is in the way; at most 100.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub obstacles: Vec<ArmObstacle>,
-    /// The arm's shape, at most 64 capsules; the model's own where absent.
+    /// The arm's shape, at most 32 capsules; the model's own where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub capsules: Option<Vec<ArmCapsule>>,
     /// More capsules, such as those of a tool on the flange (link 6).
@@ -56,14 +56,14 @@ pub struct ArmTransferBody {
     pub tool_capsules: Vec<ArmCapsule>,
     /// How far from an obstacle the arm stays wherever it was looked at; 20 where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(minimum = 1, maximum = 1000)]
+    #[schema(minimum = 5, maximum = 1000)]
     pub margin_mm: Option<f64>,
     /// The same seed gives the same way; 0 where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
     /// After so many the search is given up; 5000 where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(minimum = 1, maximum = 20_000)]
+    #[schema(minimum = 1, maximum = 10_000)]
     pub samples: Option<u32>,
 }
 
