@@ -17,6 +17,8 @@ pub struct Line {
     pub name: String,
     /// Its color.
     pub color: Color,
+    /// How thick it is, in pixels: one that lies on another of the same values must be thinner to be seen.
+    pub pixels: f64,
     /// Its points, in the units of the panel's labels.
     pub points: Vec<(f64, f64)>,
 }
@@ -28,8 +30,15 @@ impl Line {
         Self {
             name: name.into(),
             color,
+            pixels: 1.8,
             points,
         }
+    }
+
+    /// The same curve, so thick.
+    #[must_use]
+    pub fn thick(self, pixels: f64) -> Self {
+        Self { pixels, ..self }
     }
 }
 
@@ -108,7 +117,7 @@ pub fn panels(
     let entries = unique(all.iter().flat_map(|panel| &panel.lines).map(|line| Entry {
         sign: Sign::Line {
             color: line.color,
-            pixels: 2.2,
+            pixels: line.pixels + 0.4,
         },
         name: line.name.clone(),
     }));
@@ -125,6 +134,8 @@ pub fn panels(
         legend: &legend,
     };
     let wide = (WIDTH - GAP * as_number(columns - 1)) / as_number(columns);
+    // Alike for all, so that the same time is at the same place.
+    let beside = all.iter().map(Panel::beside).fold(10.0, f64::max);
     heading.sheet((WIDTH, HIGH * as_number(rows)), |area, rest| {
         for (index, panel) in all.iter().enumerate() {
             let (row, column) = (as_number(index / columns), as_number(index % columns));
@@ -134,14 +145,27 @@ pub fn panels(
                 width: wide,
                 height: HIGH - 6.0,
             };
-            panel.draw(area, rect)?;
+            panel.draw(area, rect, beside)?;
         }
         Ok(())
     })
 }
 
 impl Panel {
-    fn draw(&self, area: &crate::canvas::Area<'_>, rect: Rect) -> Result<(), PlotError> {
+    /// The room that the names of its levels take.
+    fn beside(&self) -> f64 {
+        let names = self.levels.iter().map(|level| &level.name);
+        names
+            .map(|name| width(name, Lettering::SMALL.pixels) + 8.0)
+            .fold(10.0, f64::max)
+    }
+
+    fn draw(
+        &self,
+        area: &crate::canvas::Area<'_>,
+        rect: Rect,
+        beside: f64,
+    ) -> Result<(), PlotError> {
         let points = || self.lines.iter().flat_map(|line| &line.points);
         all_finite(&self.title, points().flat_map(|&(x, y)| [x, y]))?;
         all_finite(&self.title, self.levels.iter().map(|level| level.value))?;
@@ -166,10 +190,6 @@ impl Panel {
             (rect.left + LEFT, rect.top + 13.0),
             Lettering::LABEL,
         )?;
-        let names = self.levels.iter().map(|level| &level.name);
-        let beside = names
-            .map(|name| width(name, Lettering::SMALL.pixels) + 8.0)
-            .fold(10.0, f64::max);
         let plot = Rect {
             top: rect.top + ABOVE,
             height: rect.height - ABOVE,
@@ -192,7 +212,7 @@ impl Panel {
             frame.text(&level.name, (x.1, level.value), (6.0, 0.0), lettering)?;
         }
         for line in &self.lines {
-            frame.line(&line.points, line.color, 1.8)?;
+            frame.line(&line.points, line.color, line.pixels)?;
         }
         for moment in &self.moments {
             frame.line(&[(moment.at, y.0), (moment.at, y.1)], Color::SOFT, 1.0)?;

@@ -82,6 +82,8 @@ impl Skeleton {
 const PANEL: f64 = 420.0;
 const GAP: f64 = 20.0;
 const ABOVE: f64 = 24.0;
+/// Numbers along an edge of the cube, at least.
+const TICKS: f64 = 2.2;
 
 /// Draws the sticks in space, seen from the front right and above, and projected on the planes XZ, XY and YZ. All four
 /// have the same scale.
@@ -224,13 +226,24 @@ fn projection(
         let up_is_less: Vec<(f64, f64)> = points.iter().map(|&(x, y)| (x, -y)).collect();
         for (index, (&point, letter)) in points.iter().zip(&stick.letters).enumerate() {
             frame.dot(point, stick.color, stick.pixels * 0.5 + 1.8)?;
-            frame.text(letter, point, beside(&up_is_less, index), LETTER)?;
+            let off = beside(&up_is_less, index);
+            frame.text(letter, point, off, lettering(off))?;
         }
     }
     Ok(())
 }
 
-const LETTER: Lettering = Lettering::SMALL.color(Color::INK).anchored(HPos::Center);
+/// A letter, or a word that begins or ends where its point is.
+fn lettering((right, _): (f64, f64)) -> Lettering {
+    let anchor = if right > 5.0 {
+        HPos::Left
+    } else if right < -5.0 {
+        HPos::Right
+    } else {
+        HPos::Center
+    };
+    Lettering::SMALL.color(Color::INK).anchored(anchor)
+}
 
 /// Where the letter of a point stands, in pixels from it (down is more): on the side where its stick is not.
 fn beside(places: &[(f64, f64)], index: usize) -> (f64, f64) {
@@ -263,7 +276,7 @@ fn beside(places: &[(f64, f64)], index: usize) -> (f64, f64) {
         [] => (0.7, -0.7),
         _ => (-sx / length, -sy / length),
     };
-    (dx * 13.0, dy * 13.0)
+    (dx * 11.0, dy * 12.0)
 }
 
 /// Where the eye is: turned from the X axis towards Y, and raised, in degrees.
@@ -342,8 +355,8 @@ fn in_space(area: &Area<'_>, rect: Rect, skeleton: &Skeleton, cube: Cube) -> Res
                 .map_err(broken)?;
             area.draw(&Circle::new(at(x, y), units(size), stick.color.0.filled()))
                 .map_err(broken)?;
-            let (right, down) = beside(&places, index);
-            write(area, letter, (x + right, y + down), LETTER)?;
+            let off = beside(&places, index);
+            write(area, letter, (x + off.0, y + off.1), lettering(off))?;
         }
     }
     write(
@@ -360,7 +373,7 @@ fn cage(
     line: &impl Fn(&[[f64; 3]], Color, f64) -> Result<(), PlotError>,
 ) -> Result<(), PlotError> {
     let [x, y, z] = [cube.range(0), cube.range(1), cube.range(2)];
-    let step = step(cube.side, 4.0);
+    let step = step(cube.side, TICKS);
     for at in multiples(x.0, x.1, step) {
         line(
             &[[at, y.0, z.0], [at, y.1, z.0], [at, y.1, z.1]],
@@ -401,7 +414,7 @@ fn numbers(
     place: &impl Fn([f64; 3]) -> (f64, f64),
 ) -> Result<(), PlotError> {
     let [x, y, z] = [cube.range(0), cube.range(1), cube.range(2)];
-    let step = step(cube.side, 4.0);
+    let step = step(cube.side, TICKS);
     let small = Lettering::SMALL;
     for value in multiples(x.0, x.1, step) {
         let (px, py) = place([value, y.0, z.0]);

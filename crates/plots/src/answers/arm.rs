@@ -64,7 +64,14 @@ pub fn branches(model: &str, note: &str, found: &[Labeled]) -> Result<Drawing, P
     // The gray ones first, so that they lie below.
     let outside = found.iter().filter(|branch| !branch.within_ranges);
     let mut sticks: Vec<Stick> = outside
-        .map(|branch| arm_stick(&branch.name, Color::FAINT, &branch.at, Letters::None))
+        .map(|branch| {
+            arm_stick(
+                "outside the ranges",
+                Color::FAINT,
+                &branch.at,
+                Letters::None,
+            )
+        })
         .collect();
     let colored = found
         .iter()

@@ -89,7 +89,7 @@ pub fn velocities(
             listed(joints)
         ),
         note: format!(
-            "Half axes of the ellipsoid, all joints together at one time their highest speed: {} mm/s\n\
+            "Half axes {} mm/s: what the tool can do while the joints' rates, as shares of their highest speeds, have the length 1\n\
              Rank {} of {}, manipulability {}",
             listed(&lengths),
             jacobian.rank,

@@ -48,13 +48,13 @@ pub fn joints_in_time(look: &TrajectoryLook<'_>) -> Result<Drawing, PlotError> {
         look,
         "Velocity",
         &|sample| &sample.velocity_deg_mm_s,
-        &|peak| peak.max_velocity_deg_mm_s,
+        &|peak| Some(peak.max_velocity_deg_mm_s),
     ));
     all.extend(share_panel(
         look,
         "Acceleration",
         &|sample| &sample.acceleration_deg_mm_s2,
-        &|peak| peak.max_acceleration_deg_mm_s2,
+        &|peak| Some(peak.max_acceleration_deg_mm_s2),
     ));
     all.extend(share_panel(
         look,
@@ -104,19 +104,28 @@ pub(super) fn position_panels(
             }
             let points: Vec<(f64, f64)> = times.iter().copied().zip(values(index)).collect();
             let color = Color::of(index);
+            let (low, high) = crate::ticks::extent(points.iter().map(|point| point.1))?;
             panel.lines.push(Line::new(&*joint.name, color, points));
-            let ends = [("least", joint.min_deg_mm), ("most", joint.max_deg_mm)];
-            ranges.extend(ends.map(|(end, value)| Level {
-                name: format!("{} {end} {}", joint.name, short(value)),
-                value,
-                color,
-            }));
+            // The end of a range is of interest to whoever comes near it.
+            let near = (joint.max_deg_mm - joint.min_deg_mm) * 0.1;
+            let ends = [
+                ("min", joint.min_deg_mm, low - near <= joint.min_deg_mm),
+                ("max", joint.max_deg_mm, high + near >= joint.max_deg_mm),
+            ];
+            ranges.extend(
+                ends.into_iter()
+                    .filter(|end| end.2)
+                    .map(|(end, value, _)| Level {
+                        name: format!("{} {end} {}", joint.name, short(value)),
+                        value,
+                        color,
+                    }),
+            );
         }
         let drawn = panel.lines.iter().flat_map(|line| &line.points);
-        let (low, high) = crate::ticks::extent(drawn.map(|point| point.1))?;
-        let near = (high - low).max(1.0) * 0.2;
-        ranges.retain(|level| (low - near..=high + near).contains(&level.value));
-        panel.levels = apart(ranges, (high - low) * 0.08);
+        let levels = ranges.iter().map(|level| level.value);
+        let (low, high) = crate::ticks::extent(drawn.map(|point| point.1).chain(levels))?;
+        panel.levels = apart(ranges, (high - low) * 0.09);
         Some(panel)
     };
     let turning = of_kind(ArmJointKind::Revolute, "°");
@@ -150,16 +159,17 @@ fn share_panel(
     look: &TrajectoryLook<'_>,
     title: &str,
     values: &dyn Fn(&TrajectorySample) -> &Vec<f64>,
-    limit: &dyn Fn(&TrajectoryPeaks) -> f64,
+    limit: &dyn Fn(&TrajectoryPeaks) -> Option<f64>,
 ) -> Option<Panel> {
     let mut highest: f64 = 0.0;
     let mut lines = Vec::new();
     for (index, (joint, peak)) in look.arm.joints.iter().zip(look.peaks).enumerate() {
+        let limit = limit(peak)?;
         let samples = look.samples.iter();
         let points: Vec<(f64, f64)> = samples
             .filter_map(|sample| {
                 let value = values(sample).get(index)?;
-                Some((sample.time_s, value / limit(peak) * 100.0))
+                Some((sample.time_s, value / limit * 100.0))
             })
             .collect();
         if points.is_empty() {
@@ -228,18 +238,17 @@ pub fn tool_in_time(look: &TrajectoryLook<'_>) -> Result<Drawing, PlotError> {
 /// [`PlotError::Empty`] without a place; a value that cannot be drawn.
 pub fn tool_in_space(
     look: &TrajectoryLook<'_>,
-    arms: Option<(&ArmForwardResult, &ArmForwardResult)>,
+    start: Option<&ArmForwardResult>,
+    end: Option<&ArmForwardResult>,
 ) -> Result<Drawing, PlotError> {
-    let mut sticks = Vec::new();
-    if let Some((start, end)) = arms {
-        sticks.push(arm_stick(
-            "at the start",
-            Color::FAINT,
-            start,
-            Letters::None,
-        ));
-        sticks.push(arm_stick("at the end", Color::MAIN, end, Letters::Written));
-    }
+    let ends = [
+        ("at the start", Color::FAINT, start, Letters::None),
+        ("at the end", Color::MAIN, end, Letters::Written),
+    ];
+    let mut sticks: Vec<Stick> = ends
+        .into_iter()
+        .filter_map(|(name, color, at, letters)| Some(arm_stick(name, color, at?, letters)))
+        .collect();
     let way = |name: &str, color: Color, points: Vec<[f64; 3]>| Stick {
         name: name.to_owned(),
         color,

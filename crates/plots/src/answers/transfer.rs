@@ -60,7 +60,8 @@ pub fn transfer(
     skeleton(&Skeleton {
         title: format!("{model}: a way that touches nothing"),
         note: format!(
-            "{pieces} straight pieces of joint space, {}° together",
+            "{pieces} straight {} of joint space, {}° together",
+            if pieces == 1 { "piece" } else { "pieces" },
             short(answer.length_deg)
         ),
         unit: UNIT.to_owned(),

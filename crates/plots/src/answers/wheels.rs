@@ -51,9 +51,12 @@ pub fn wheels(title: &str, drive: &Drive) -> Result<Drawing, PlotError> {
             .iter()
             .enumerate()
             .map(|(index, name)| {
+                // Straight on, two and two wheels turn alike: the rear ones lie thin on the front ones.
+                let pixels = if index < 2 { 4.6 } else { 1.6 };
                 line(name, Color::of(index), &|sample| {
                     sample.wheels_rad_s.get(index).copied().unwrap_or_default()
                 })
+                .thick(pixels)
             })
             .collect(),
         levels: vec![
