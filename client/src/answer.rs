@@ -11,7 +11,7 @@ use crate::ClientError;
 use crate::http::{Effect, REQUEST_ID};
 
 /// The largest body this client reads, in bytes. A larger one is a [`ClientError::Protocol`].
-pub const MAX_ANSWER_BYTES: usize = 1024 * 1024;
+pub const MAX_ANSWER_BYTES: usize = 4 * 1024 * 1024;
 
 const EXCERPT_CHARS: usize = 200;
 

@@ -48,6 +48,7 @@
 
 mod access;
 mod answer;
+mod arms;
 mod control;
 mod emulator;
 mod error;
@@ -62,6 +63,7 @@ mod server;
 mod setup;
 
 pub use answer::MAX_ANSWER_BYTES;
+pub use arms::Arms;
 pub use control::{Control, HeldControl};
 pub use emulator::{Change, EmulatorClient};
 pub use error::ClientError;
