@@ -1,91 +1,36 @@
-//! Questions about arm models and routes. No robot of a cell is concerned, and nothing moves.
-
-use std::time::Duration;
-
 use api::arms::{
     ArmCalibrationBody, ArmCalibrationResult, ArmDescription, ArmForwardBody, ArmForwardResult,
     ArmInverseBody, ArmInverseResult, ArmJacobianBody, ArmJacobianResult, ArmList, ArmRatesBody,
     ArmRatesResult, ArmTransferBody, ArmTransferResult, ArmVelocityMotionBody,
     ArmVelocityMotionResult, ReachBody, ReachResult,
 };
-use api::paths::{PlanRouteBody, PlanRouteResult};
+use api::paths::{CellRouteBody, PlanRouteBody, PlanRouteResult};
 use api::trajectory::{ToolPathBody, ToolPathResult, TrajectoryBody, TrajectoryResult};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use crate::ClientError;
 use crate::http::{Effect, Http};
-use crate::{Client, ClientError};
 
-/// What an answer may take that has to be searched for.
-const SEARCH: Duration = Duration::from_mins(1);
-
-/// The server's answers about arm models and routes. Cheap to clone.
+/// Questions about arm models and paths. Nothing moves, and no robot of a cell is concerned. Cheap to clone.
+///
+/// What is wrong with a question comes back as a problem: `validation` with the item, its value and its limit,
+/// `not-found` for a model that is not known, `out-of-workspace`, `joint-limit-exceeded`, `singularity`, `no-way`.
 #[derive(Clone, Debug)]
 pub struct Arms {
     http: Http,
 }
 
-impl Client {
-    /// Questions about arm models and routes. Nothing is sent.
-    #[must_use]
-    pub fn arms(&self) -> Arms {
-        Arms {
-            http: self.http.clone(),
-        }
-    }
-}
-
-/// The questions that are a body sent to `…/arms/{model}/{name}`.
-macro_rules! questions {
-    ($($(#[$doc:meta])* $function:ident($body:ty) -> $answer:ty, $name:literal;)*) => {
-        impl Arms {
-            $(
-                $(#[$doc])*
-                ///
-                /// # Errors
-                /// A problem `not-found` for a model that the server does not know, `validation` that names the item,
-                /// one that says why the arm cannot; else as all calls.
-                pub async fn $function(
-                    &self,
-                    model: &str,
-                    body: &$body,
-                ) -> Result<$answer, ClientError> {
-                    self.ask(&["api", "v1", "arms", model, $name], body).await
-                }
-            )*
-        }
-    };
-}
-
-questions! {
-    /// Where the tool is.
-    forward(ArmForwardBody) -> ArmForwardResult, "forward";
-    /// Which joints reach a pose.
-    inverse(ArmInverseBody) -> ArmInverseResult, "inverse";
-    /// Jacobians, rank, what is lost.
-    jacobian(ArmJacobianBody) -> ArmJacobianResult, "jacobian";
-    /// Joint rates of a velocity of the tool.
-    rates(ArmRatesBody) -> ArmRatesResult, "rates";
-    /// A motion with a constant velocity.
-    velocity_motion(ArmVelocityMotionBody) -> ArmVelocityMotionResult, "velocity-motion";
-    /// A tool out of taught points.
-    calibrate(ArmCalibrationBody) -> ArmCalibrationResult, "calibrate-tool";
-    /// Which poses are reached.
-    reach(ReachBody) -> ReachResult, "reachability";
-    /// A way among obstacles.
-    transfer(ArmTransferBody) -> ArmTransferResult, "transfers";
-    /// Joints in time.
-    trajectory(TrajectoryBody) -> TrajectoryResult, "trajectories";
-    /// The tool along a path.
-    tool_path(ToolPathBody) -> ToolPathResult, "tool-paths";
-}
-
 impl Arms {
-    /// The models there are.
+    pub(crate) fn new(http: Http) -> Self {
+        Self { http }
+    }
+
+    /// The models that are known.
     ///
     /// # Errors
-    /// As all calls.
-    pub async fn models(&self) -> Result<ArmList, ClientError> {
+    /// As all calls: see [`ClientError`].
+    pub async fn list(&self) -> Result<ArmList, ClientError> {
         let path = ["api", "v1", "arms"];
         self.http.get(&path, Effect::Question).json().await
     }
@@ -93,30 +38,179 @@ impl Arms {
     /// All that is known of a model.
     ///
     /// # Errors
-    /// A problem `not-found`; else as all calls.
+    /// A problem `not-found` if there is none of this name; else as all calls.
     pub async fn describe(&self, model: &str) -> Result<ArmDescription, ClientError> {
         let path = ["api", "v1", "arms", model];
         self.http.get(&path, Effect::Question).json().await
     }
 
-    /// A route of a disc among polygons.
+    /// Where the tool is at given joints.
     ///
     /// # Errors
-    /// A problem `validation` that names the item, one that says that there is no way; else as all calls.
+    /// As [`Arms::describe`]; a problem `validation` for an item that is none.
+    pub async fn forward(
+        &self,
+        model: &str,
+        body: &ArmForwardBody,
+    ) -> Result<ArmForwardResult, ClientError> {
+        self.ask(model, "forward", body).await
+    }
+
+    /// The joints that reach a pose.
+    ///
+    /// # Errors
+    /// As [`Arms::forward`]; `out-of-workspace` if none do.
+    pub async fn inverse(
+        &self,
+        model: &str,
+        body: &ArmInverseBody,
+    ) -> Result<ArmInverseResult, ClientError> {
+        self.ask(model, "inverse", body).await
+    }
+
+    /// The Jacobians at given joints.
+    ///
+    /// # Errors
+    /// As [`Arms::forward`].
+    pub async fn jacobian(
+        &self,
+        model: &str,
+        body: &ArmJacobianBody,
+    ) -> Result<ArmJacobianResult, ClientError> {
+        self.ask(model, "jacobian", body).await
+    }
+
+    /// The joint rates of a velocity of the tool.
+    ///
+    /// # Errors
+    /// As [`Arms::forward`]; `singularity` if part of it cannot be made.
+    pub async fn rates(
+        &self,
+        model: &str,
+        body: &ArmRatesBody,
+    ) -> Result<ArmRatesResult, ClientError> {
+        self.ask(model, "rates", body).await
+    }
+
+    /// The motion of the tool with a constant velocity.
+    ///
+    /// # Errors
+    /// As [`Arms::forward`].
+    pub async fn velocity_motion(
+        &self,
+        model: &str,
+        body: &ArmVelocityMotionBody,
+    ) -> Result<ArmVelocityMotionResult, ClientError> {
+        self.ask(model, "velocity-motion", body).await
+    }
+
+    /// A tool out of taught points.
+    ///
+    /// # Errors
+    /// As [`Arms::forward`].
+    pub async fn calibrate_tool(
+        &self,
+        model: &str,
+        body: &ArmCalibrationBody,
+    ) -> Result<ArmCalibrationResult, ClientError> {
+        self.ask(model, "calibrate-tool", body).await
+    }
+
+    /// Which of a set of poses are reached.
+    ///
+    /// # Errors
+    /// As [`Arms::forward`].
+    pub async fn reachability(
+        &self,
+        model: &str,
+        body: &ReachBody,
+    ) -> Result<ReachResult, ClientError> {
+        self.ask(model, "reachability", body).await
+    }
+
+    /// The joints in time.
+    ///
+    /// # Errors
+    /// As [`Arms::forward`]; `joint-limit-exceeded` for a state outside the limits.
+    pub async fn trajectory(
+        &self,
+        model: &str,
+        body: &TrajectoryBody,
+    ) -> Result<TrajectoryResult, ClientError> {
+        self.ask(model, "trajectories", body).await
+    }
+
+    /// The tool along a path, or where the arm cannot follow.
+    ///
+    /// # Errors
+    /// As [`Arms::trajectory`].
+    pub async fn tool_path(
+        &self,
+        model: &str,
+        body: &ToolPathBody,
+    ) -> Result<ToolPathResult, ClientError> {
+        self.ask(model, "tool-paths", body).await
+    }
+
+    /// A way of the joints that touches nothing.
+    ///
+    /// # Errors
+    /// As [`Arms::trajectory`]; `no-way` if none was found.
+    pub async fn transfer(
+        &self,
+        model: &str,
+        body: &ArmTransferBody,
+    ) -> Result<ArmTransferResult, ClientError> {
+        self.ask(model, "transfers", body).await
+    }
+
+    /// A path of a disc among polygons.
+    ///
+    /// # Errors
+    /// A problem `validation` for an item that is none, `no-way` if there is none; else as all calls.
     pub async fn plan_route(&self, body: &PlanRouteBody) -> Result<PlanRouteResult, ClientError> {
-        self.ask(&["api", "v1", "routes", "plan"], body).await
+        self.post(&["api", "v1", "routes", "plan"], body).await
+    }
+
+    /// A path of a mobile robot of a cell, around what its set-up has.
+    ///
+    /// # Errors
+    /// As [`Arms::plan_route`]; `not-found` if there is no such cell or mobile robot.
+    pub async fn plan_mobile_robot_route(
+        &self,
+        cell: &str,
+        mobile_robot: &str,
+        body: &CellRouteBody,
+    ) -> Result<PlanRouteResult, ClientError> {
+        let path = [
+            "api",
+            "v1",
+            "cells",
+            cell,
+            "mobile-robots",
+            mobile_robot,
+            "routes",
+            "plan",
+        ];
+        self.post(&path, body).await
     }
 
     async fn ask<T: DeserializeOwned>(
         &self,
-        path: &[&str],
-        body: &impl Serialize,
+        model: &str,
+        what: &str,
+        body: &(impl Serialize + Sync),
     ) -> Result<T, ClientError> {
-        let limit = self.http.timeouts.question.max(SEARCH);
-        self.http
-            .post(path, Effect::LongQuestion(limit))
-            .body(body)
-            .json()
-            .await
+        self.post(&["api", "v1", "arms", model, what], body).await
+    }
+
+    async fn post<T: DeserializeOwned>(
+        &self,
+        path: &[&str],
+        body: &(impl Serialize + Sync),
+    ) -> Result<T, ClientError> {
+        // They move nothing, but one that computes for long waits for another.
+        let effect = Effect::LongQuestion(self.http.timeouts.command);
+        self.http.post(path, effect).body(body).json().await
     }
 }

@@ -93,6 +93,38 @@ pub struct RouteSearch {
     pub influence_mm: Option<f64>,
 }
 
+/// A path of a mobile robot of a cell, around what stands in the cell's set-up. Everything is in the cell frame. Exactly one
+/// of `goal` and `goal_mm` is given.
+#[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+#[schema(example = json!({"goal": "st1/p1"}))]
+pub struct CellRouteBody {
+    /// A point where mobile robots dock, `station/point`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub goal: Option<String>,
+    /// Where the robot's middle is to be.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub goal_mm: Option<[f64; 2]>,
+    /// Where it starts; where it last told that it is, if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start_mm: Option<[f64; 2]>,
+    /// The disc around the robot; around its footprint where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(minimum = 0)]
+    pub radius_mm: Option<f64>,
+    /// Where it may be at all. Where absent, its work zones; if it has none, what the set-up has, start and goal, and some
+    /// room around them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub floor: Option<FloorBody>,
+    /// What is in the way besides the set-up's keep-out zones for this robot, and the hand-over zones that neither its
+    /// start nor its goal is in.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub obstacles: Vec<PolygonBody>,
+    /// How to look, and with what numbers.
+    #[serde(default)]
+    pub search: RouteSearch,
+}
+
 /// A path of a disc among polygons.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
 pub struct PlanRouteResult {

@@ -69,7 +69,7 @@ pub struct TrajectoryBody {
     /// The joints' highest jerks; ten times the highest acceleration a second where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_jerk_deg_mm_s3: Option<Vec<f64>>,
-    /// From sample to sample; a hundredth of the whole time where absent. At most 20,000 samples.
+    /// From sample to sample; a hundredth of the whole time where absent. At most 5000 samples.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 0.0005, maximum = 10)]
     pub period_s: Option<f64>,
@@ -202,7 +202,7 @@ pub struct ToolPathBody {
     /// How fast the tool turns at most; 90 where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub turning_deg_s: Option<f64>,
-    /// From sample to sample; 0.02 where absent. At most 20,000 samples.
+    /// From sample to sample; 0.02 where absent. At most 5000 samples.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 0.0005, maximum = 1)]
     pub period_s: Option<f64>,

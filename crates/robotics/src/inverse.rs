@@ -14,6 +14,18 @@ use crate::refusal::{Refusal, RefusalKind, count_or, within, within_or};
 
 pub(crate) use methods::{Found, Question, Target, solve};
 
+/// Steps of a search, all starts together.
+const MOST_STEPS: f64 = 100_000.0;
+
+/// Whether [`inverse`] would search, which takes long, or compute.
+///
+/// # Errors
+/// No such model, or a method that does not cover it.
+pub fn is_search(model: &str, body: &ArmInverseBody) -> Result<bool, Refusal> {
+    let method = Arm::named(model)?.solver(body.method)?;
+    Ok(method == ArmSolver::DampedLeastSquares)
+}
+
 /// Every joint set that reaches a pose, by the method that was asked for.
 ///
 /// Closed form and quartic after the thesis's (14) to (18), the textbook's geometric solution (1.34) to (1.57), the
@@ -113,6 +125,13 @@ fn search_of(body: &ArmInverseBody) -> Result<kinematics::serial::DlsOptions, Re
     )?;
     let max_steps = count_or("search.max_steps", search.max_steps, 200, [1, 10_000])?;
     let starts = count_or("search.starts", search.starts, 20, [1, 1000])?;
+    let effort = f64::from(max_steps) * f64::from(starts);
+    if effort > MOST_STEPS {
+        let detail = format!(
+            "{starts} starts of {max_steps} steps are {effort} steps; at most {MOST_STEPS} are made"
+        );
+        return Err(Refusal::invalid("search", detail).with_value(effort));
+    }
     Ok(kinematics::serial::DlsOptions {
         position_tolerance_mm,
         rotation_tolerance_rad: rotation.to_radians(),

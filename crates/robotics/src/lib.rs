@@ -16,7 +16,7 @@
 //! | joints in time | [`trajectory`] | textbook (2.16) to (2.42) |
 //! | the tool along a path | [`tool_path`] | lectures 5.2 |
 //! | an arm among obstacles | [`transfer`] | textbook 2.2.3 |
-//! | a disc among polygons | [`plan_route`] | textbook 2.2, (2.7) to (2.11) |
+//! | a disc among polygons, or what of a cell is in its way | [`plan_route`], [`route_in_cell`] | textbook 2.2, (2.7) to (2.11) |
 //!
 //! Lengths are millimeters, angles degrees, the unit is in the key. Poses are `X_UT`, the tool in the user frame;
 //! both frames are the identity where the question does not give them. Every number has a bound; what is wrong comes
@@ -41,6 +41,7 @@
 
 mod arm;
 mod calibrate;
+mod cell_route;
 mod convert;
 mod describe;
 mod forward;
@@ -57,10 +58,11 @@ mod velocity;
 
 pub use arm::Arm;
 pub use calibrate::calibrate;
+pub use cell_route::route_in_cell;
 pub use convert::{point_of, pose_body, shown};
 pub use describe::{describe, models};
 pub use forward::forward;
-pub use inverse::inverse;
+pub use inverse::{inverse, is_search};
 pub use reach::reach;
 pub use refusal::{Refusal, RefusalKind};
 pub use route::plan_route;

@@ -10,7 +10,7 @@ use crate::convert::shown;
 use crate::forward::tcp;
 
 /// Samples of one answer.
-pub(crate) const MOST_SAMPLES: usize = 20_000;
+pub(crate) const MOST_SAMPLES: usize = 5000;
 
 /// The joints at one moment, in radians and millimeters.
 #[derive(Clone, Debug)]

@@ -15,7 +15,7 @@ use crate::convert::{frames_of, outside_body, shown};
 use crate::forward::tcp;
 use crate::refusal::{Refusal, RefusalKind, count_or, length, within};
 
-const MOST_STEPS: u32 = 10_000;
+const MOST_STEPS: u32 = 5000;
 
 /// Geometric and analytic Jacobians of the tool, rank, manipulability, and what is lost at a singular posture.
 ///

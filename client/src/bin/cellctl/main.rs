@@ -67,10 +67,8 @@ async fn run(cli: Cli) -> Result<Report, Failure> {
     // A login asks for its own, and must be possible where what is kept is of no use.
     // A question that is answered here needs none.
     let answered_here = cli.global.server.is_none()
-        && matches!(
-            cli.command,
-            Command::Arm(_) | Command::Plan(_) | Command::Route(_)
-        );
+        && (matches!(cli.command, Command::Arm(_) | Command::Plan(_))
+            || matches!(&cli.command, Command::Route(args) if !args.asks_a_server()));
     let wants_token = !answered_here && !matches!(cli.command, Command::Login | Command::Logout);
     let context = Context::new(cli.global, wants_token)?;
     match cli.command {

@@ -119,7 +119,7 @@ pub struct ArmVelocityMotionBody {
     pub time_s: f64,
     /// In how many steps; 100 where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(minimum = 1, maximum = 10_000)]
+    #[schema(minimum = 1, maximum = 5000)]
     pub steps: Option<u32>,
     /// What of the tool's pose is kept; the model's own where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -21,7 +21,7 @@ pub(super) enum Desk {
 }
 
 macro_rules! questions {
-    ($($name:ident($body:ty) -> $answer:ty;)*) => {
+    ($($name:ident($body:ty) -> $answer:ty, $asked:ident;)*) => {
         impl Desk {
             $(
                 pub(super) async fn $name(
@@ -31,7 +31,7 @@ macro_rules! questions {
                 ) -> Result<$answer, Failure> {
                     Ok(match self {
                         Self::Here => robotics::$name(model, body)?,
-                        Self::Server(arms) => arms.$name(model, body).await?,
+                        Self::Server(arms) => arms.$asked(model, body).await?,
                     })
                 }
             )*
@@ -40,16 +40,16 @@ macro_rules! questions {
 }
 
 questions! {
-    forward(ArmForwardBody) -> ArmForwardResult;
-    inverse(ArmInverseBody) -> ArmInverseResult;
-    jacobian(ArmJacobianBody) -> ArmJacobianResult;
-    rates(ArmRatesBody) -> ArmRatesResult;
-    velocity_motion(ArmVelocityMotionBody) -> ArmVelocityMotionResult;
-    calibrate(ArmCalibrationBody) -> ArmCalibrationResult;
-    reach(ReachBody) -> ReachResult;
-    transfer(ArmTransferBody) -> ArmTransferResult;
-    trajectory(TrajectoryBody) -> TrajectoryResult;
-    tool_path(ToolPathBody) -> ToolPathResult;
+    forward(ArmForwardBody) -> ArmForwardResult, forward;
+    inverse(ArmInverseBody) -> ArmInverseResult, inverse;
+    jacobian(ArmJacobianBody) -> ArmJacobianResult, jacobian;
+    rates(ArmRatesBody) -> ArmRatesResult, rates;
+    velocity_motion(ArmVelocityMotionBody) -> ArmVelocityMotionResult, velocity_motion;
+    calibrate(ArmCalibrationBody) -> ArmCalibrationResult, calibrate_tool;
+    reach(ReachBody) -> ReachResult, reachability;
+    transfer(ArmTransferBody) -> ArmTransferResult, transfer;
+    trajectory(TrajectoryBody) -> TrajectoryResult, trajectory;
+    tool_path(ToolPathBody) -> ToolPathResult, tool_path;
 }
 
 impl Desk {
@@ -64,7 +64,7 @@ impl Desk {
     pub(super) async fn models(&self) -> Result<ArmList, Failure> {
         Ok(match self {
             Self::Here => robotics::models(),
-            Self::Server(arms) => arms.models().await?,
+            Self::Server(arms) => arms.list().await?,
         })
     }
 

@@ -1,7 +1,7 @@
 //! `cellctl route`: a mobile robot among obstacles.
 
 use api::paths::{
-    FloorBody, PlanRouteBody, PlanRouteResult, PolygonBody, RouteMethod, RouteSearch,
+    CellRouteBody, FloorBody, PlanRouteBody, PlanRouteResult, PolygonBody, RouteMethod, RouteSearch,
 };
 use clap::{Args, Subcommand, ValueEnum};
 use plots::answers;
@@ -30,10 +30,13 @@ enum RouteCommand {
 
 /// Find a route for a disc among polygons.
 ///
+/// With --mobile-robot a server is asked, which knows the cell: where the robot is, how large it is, its keep-out zones.
+///
 /// Examples:
 ///   cellctl route plan --floor 0,0,6000,4000 --radius 300 --start 500,500 --goal 5500,3500 \
 ///     --obstacle 2000,0,2500,0,2500,2800,2000,2800 --plot route.svg
 ///   cellctl route plan --file hall.toml --method roadmap --seed 3
+///   cellctl route plan --mobile-robot mr1 --to handover/front --plot route.svg
 #[derive(Args, Debug)]
 #[command(verbatim_doc_comment)]
 struct PlanRouteArgs {
@@ -72,6 +75,12 @@ struct PlanRouteArgs {
         conflicts_with = "file"
     )]
     obstacle: Vec<Numbers>,
+    /// A mobile robot of the cell: its route among what the cell's set-up has.
+    #[arg(long, value_name = "ID")]
+    mobile_robot: Option<String>,
+    /// The point where it is to dock, in the place of --goal.
+    #[arg(long, value_name = "STATION/POINT", requires = "mobile_robot", conflicts_with_all = ["goal", "file"])]
+    to: Option<String>,
     /// How to look; this and what follows also over a file's.
     #[arg(long, value_enum)]
     method: Option<MethodArg>,
@@ -121,10 +130,29 @@ enum View {
     Wheels,
 }
 
+impl RouteArgs {
+    /// Whether only a server knows the answer.
+    pub(crate) fn asks_a_server(&self) -> bool {
+        let RouteCommand::Plan(args) = &self.command;
+        args.mobile_robot.is_some()
+    }
+}
+
 pub(crate) async fn run(args: RouteArgs, context: &Context) -> Result<Report, Failure> {
     let RouteCommand::Plan(args) = args.command;
-    let body = question(&args)?;
-    let answer = Desk::of(context).plan_route(&body).await?;
+    let answer = match &args.mobile_robot {
+        None => {
+            let body = question(&args)?;
+            Desk::of(context).plan_route(&body).await?
+        }
+        Some(mobile_robot) => {
+            let body = question_in_cell(&args)?;
+            let cell = context.cell().await?;
+            let arms = context.client.arms();
+            arms.plan_mobile_robot_route(&cell, mobile_robot, &body)
+                .await?
+        }
+    };
     let drawing = match (&args.plot.plot, args.view) {
         (None, _) => None,
         (Some(picture), View::Map) => Some((picture, answers::route(&answer)?)),
@@ -137,18 +165,42 @@ pub(crate) async fn run(args: RouteArgs, context: &Context) -> Result<Report, Fa
 }
 
 fn question(args: &PlanRouteArgs) -> Result<PlanRouteBody, Failure> {
-    let mut body = match &args.file.file {
+    let mut body: PlanRouteBody = match &args.file.file {
         Some(file) => read(file)?,
         None => from_options(args)?,
     };
-    let search = &mut body.search;
-    search.method = args.method.map(RouteMethod::from).or(search.method);
-    search.seed = args.seed.or(search.seed);
-    search.resolution_mm = args.resolution.or(search.resolution_mm);
-    search.samples = args.samples.or(search.samples);
-    search.steps = args.steps.or(search.steps);
-    search.influence_mm = args.influence.or(search.influence_mm);
+    args.refine(&mut body.search);
     Ok(body)
+}
+
+/// What is not said is what the cell knows.
+fn question_in_cell(args: &PlanRouteArgs) -> Result<CellRouteBody, Failure> {
+    let mut body: CellRouteBody = match &args.file.file {
+        Some(file) => read(file)?,
+        None => CellRouteBody {
+            goal: args.to.clone(),
+            goal_mm: args.goal.map(|Row(goal)| goal),
+            start_mm: args.start.map(|Row(start)| start),
+            radius_mm: args.radius,
+            floor: args.floor.map(floor),
+            obstacles: obstacles(&args.obstacle)?,
+            search: RouteSearch::default(),
+        },
+    };
+    args.refine(&mut body.search);
+    Ok(body)
+}
+
+impl PlanRouteArgs {
+    /// What the options say of the search holds, over a file's.
+    fn refine(&self, search: &mut RouteSearch) {
+        search.method = self.method.map(RouteMethod::from).or(search.method);
+        search.seed = self.seed.or(search.seed);
+        search.resolution_mm = self.resolution.or(search.resolution_mm);
+        search.samples = self.samples.or(search.samples);
+        search.steps = self.steps.or(search.steps);
+        search.influence_mm = self.influence.or(search.influence_mm);
+    }
 }
 
 impl From<MethodArg> for RouteMethod {
@@ -163,9 +215,26 @@ impl From<MethodArg> for RouteMethod {
 }
 
 fn from_options(args: &PlanRouteArgs) -> Result<PlanRouteBody, Failure> {
-    let Row([x0, y0, x1, y1]) = needed(args.floor, "--floor")?;
+    Ok(PlanRouteBody {
+        floor: floor(needed(args.floor, "--floor")?),
+        obstacles: obstacles(&args.obstacle)?,
+        radius_mm: needed(args.radius, "--radius")?,
+        start_mm: needed(args.start, "--start")?.0,
+        goal_mm: needed(args.goal, "--goal")?.0,
+        search: RouteSearch::default(),
+    })
+}
+
+fn floor(Row([x0, y0, x1, y1]): Row<4>) -> FloorBody {
+    FloorBody {
+        min_mm: [x0, y0],
+        max_mm: [x1, y1],
+    }
+}
+
+fn obstacles(given: &[Numbers]) -> Result<Vec<PolygonBody>, Failure> {
     let mut obstacles = Vec::new();
-    for (index, Numbers(numbers)) in args.obstacle.iter().enumerate() {
+    for (index, Numbers(numbers)) in given.iter().enumerate() {
         let (pairs, rest) = numbers.as_chunks::<2>();
         if !rest.is_empty() {
             return Err(Failure::Usage(format!(
@@ -179,17 +248,7 @@ fn from_options(args: &PlanRouteArgs) -> Result<PlanRouteBody, Failure> {
             corners_mm: pairs.to_vec(),
         });
     }
-    Ok(PlanRouteBody {
-        floor: FloorBody {
-            min_mm: [x0, y0],
-            max_mm: [x1, y1],
-        },
-        obstacles,
-        radius_mm: needed(args.radius, "--radius")?,
-        start_mm: needed(args.start, "--start")?.0,
-        goal_mm: needed(args.goal, "--goal")?.0,
-        search: RouteSearch::default(),
-    })
+    Ok(obstacles)
 }
 
 fn said(answer: &PlanRouteResult) -> String {

@@ -134,7 +134,7 @@ fn velocities_times_and_points_that_are_none_are_refused() {
     assert_refused(
         motion(|body| body.steps = Some(1_000_000)),
         "steps",
-        "from 1 to 10000",
+        "from 1 to 5000",
     );
     assert_refused(
         motion(|body| body.velocity_mm_s = None),

@@ -129,7 +129,7 @@ fn via_points_limits_and_samples_that_make_no_sense_are_refused() {
             body.period_s = Some(0.001);
         }),
         "period_s",
-        "at most 20000",
+        "at most 5000",
     );
 }
 
