@@ -58,7 +58,7 @@ impl<'a> Frame<'a> {
             .bold_line_style(Color::GRID.0.stroke_width(fine(1.0)))
             .axis_style(Color::SOFT.0.stroke_width(fine(1.0)))
             .set_all_tick_mark_size(units(4.0))
-            .x_labels(labels(plot.0, 60.0))
+            .x_labels(labels(plot.0, 48.0))
             .y_labels(labels(plot.1, 26.0))
             .x_label_formatter(&short)
             .y_label_formatter(&short)

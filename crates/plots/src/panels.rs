@@ -97,6 +97,8 @@ const GAP: f64 = 22.0;
 const HIGH: f64 = 232.0;
 /// For the panel's own title.
 const ABOVE: f64 = 24.0;
+/// For the names of moments, below the title.
+const MOMENTS: f64 = 15.0;
 
 /// Draws `all` in `columns` columns, row by row, with one legend for all.
 ///
@@ -190,9 +192,11 @@ impl Panel {
             (rect.left + LEFT, rect.top + 13.0),
             Lettering::LABEL,
         )?;
+        let named = self.moments.iter().any(|moment| !moment.name.is_empty());
+        let above = if named { ABOVE + MOMENTS } else { ABOVE };
         let plot = Rect {
-            top: rect.top + ABOVE,
-            height: rect.height - ABOVE,
+            top: rect.top + above,
+            height: rect.height - above,
             width: rect.width - beside,
             ..rect
         };

@@ -4,6 +4,7 @@ use api::PoseBody;
 use api::arms::{ArmForwardResult, ArmOutside};
 
 use super::{listed, pose_text, short};
+use crate::figure::as_number;
 use crate::{Body, Capsule, Color, Drawing, PlotError, Skeleton, Stick, skeleton};
 
 /// The unit of all that is drawn in space.
@@ -73,12 +74,12 @@ pub fn branches(model: &str, note: &str, found: &[Labeled]) -> Result<Drawing, P
             )
         })
         .collect();
-    let colored = found
-        .iter()
-        .filter(|branch| branch.within_ranges)
-        .enumerate();
-    sticks.extend(colored.map(|(index, branch)| {
-        arm_stick(&branch.name, Color::of(index), &branch.at, Letters::None)
+    let colored = found.iter().filter(|branch| branch.within_ranges);
+    // Sets that differ in the wrist only lie on each other: each is thinner than the one below it.
+    let thinner = 4.4 / as_number(inside.max(2) - 1);
+    sticks.extend(colored.enumerate().map(|(index, branch)| Stick {
+        pixels: 6.0 - thinner * as_number(index),
+        ..arm_stick(&branch.name, Color::of(index), &branch.at, Letters::None)
     }));
     if let Some(first) = found.first() {
         sticks.extend(tool_axes(&first.at.tcp, span(&first.at) * 0.12));
