@@ -250,3 +250,22 @@ pub struct ToolPathFailure {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub outside: Vec<ArmOutside>,
 }
+
+/// How a motion would go: joints and tool in time, sampled.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
+pub struct MotionProfile {
+    /// How long it takes, within the model's speeds and accelerations.
+    pub duration_s: f64,
+    /// How many times longer a straight line takes because of the joints; 1 if its own speed decides.
+    pub slowed: f64,
+    /// The joint that decides how long it takes, if one does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub limited_by: Option<String>,
+    /// Joints and tool along it; none where the arm cannot follow.
+    pub samples: Vec<TrajectorySample>,
+    /// What it asks of each joint, beside what the joint can do.
+    pub peaks: Vec<TrajectoryPeaks>,
+    /// Where the arm cannot follow a straight line between start and target, and why.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub failure: Option<ToolPathFailure>,
+}

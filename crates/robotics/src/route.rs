@@ -1,14 +1,18 @@
 //! A disc among polygons.
 
-use api::paths::{PlanRouteBody, PlanRouteResult, RouteMethod};
+use api::paths::{PlanRouteBody, PlanRouteResult, RouteCell, RouteMethod};
 use planning::Sampling;
-use planning::plane::{self, Field, Floor, PlaneError, Point, Polygon, Route};
+use planning::plane::{self, Field, Floor, PlaneError, Point, Polygon, Route, Sketch};
 
 use crate::convert::shown;
-use crate::refusal::{Refusal, RefusalKind, count_or, length, within, within_or};
+use crate::refusal::{Refusal, RefusalKind, count_or, length, number, within, within_or};
 
 const MOST_OBSTACLES: usize = 200;
 const MOST_CORNERS: usize = 1000;
+/// Steps in the potential field times corners of obstacles.
+const FIELD_EFFORT: f64 = 1e8;
+/// Cells or edges of one answer.
+const MOST_SKETCHED: usize = 10_000;
 const LENGTH_MM: [f64; 2] = [-1e6, 1e6];
 
 /// A path of a disc-shaped robot from start to goal among polygons.
@@ -28,7 +32,7 @@ pub fn plan_route(body: &PlanRouteBody) -> Result<PlanRouteResult, Refusal> {
     let [width, height] = [0, 1].map(|axis| side(&floor, axis));
     let size = width.max(height);
     let route = match method {
-        RouteMethod::Trapezoidal => plane::trapezoids(&floor, start, goal),
+        RouteMethod::Trapezoidal => plane::trapezoids_sketched(&floor, start, goal),
         RouteMethod::Quadtree => {
             let resolution = within_or(
                 "search.resolution_mm",
@@ -37,11 +41,20 @@ pub fn plan_route(body: &PlanRouteBody) -> Result<PlanRouteResult, Refusal> {
                 [0.1, 1e5],
                 "mm",
             )?;
-            plane::quadtree(&floor, start, goal, resolution)
+            plane::quadtree_sketched(&floor, start, goal, resolution)
         }
         RouteMethod::PotentialField => {
             let usual = Field::default();
-            let most = count_or("search.steps", search.steps, 400_000, [1, 1_000_000])?;
+            // Each step looks at every edge.
+            let corners = floor.obstacles().iter().map(|o| o.corners().len()).sum();
+            let affordable = FIELD_EFFORT / number(corners).unwrap_or(1.0).max(1.0);
+            let usual_steps = if affordable < 400_000.0 {
+                100_000
+            } else {
+                400_000
+            };
+            let most = count_or("search.steps", search.steps, usual_steps, [1, 1_000_000])?;
+            let _ = within("search.steps", f64::from(most), [1.0, affordable], "")?;
             let influence = within_or(
                 "search.influence_mm",
                 search.influence_mm,
@@ -55,7 +68,7 @@ pub fn plan_route(body: &PlanRouteBody) -> Result<PlanRouteResult, Refusal> {
                 seed,
                 ..usual
             };
-            plane::potential(&floor, start, goal, &field)
+            plane::potential_sketched(&floor, start, goal, &field)
         }
         RouteMethod::Roadmap => {
             let most = count_or("search.samples", search.samples, 5000, [1, 10_000])?;
@@ -64,10 +77,11 @@ pub fn plan_route(body: &PlanRouteBody) -> Result<PlanRouteResult, Refusal> {
                 most,
                 ..Sampling::default()
             };
-            plane::roadmap(&floor, start, goal, &sampling)
+            plane::roadmap_sketched(&floor, start, goal, &sampling)
         }
     };
-    let route = route.map_err(|error| plane_refusal(&error, body))?;
+    let (route, sketch) = route.map_err(|error| plane_refusal(&error, body))?;
+    let (cells, graph_mm) = sketched(sketch);
     Ok(PlanRouteResult {
         method,
         floor: body.floor,
@@ -76,9 +90,28 @@ pub fn plan_route(body: &PlanRouteBody) -> Result<PlanRouteResult, Refusal> {
         points_mm: route.points().iter().map(|p| p.map(shown)).collect(),
         length_mm: shown(route.length()),
         clearance_mm: shown(clearance(&floor, &route)),
-        cells: Vec::new(),
-        graph_mm: Vec::new(),
+        cells,
+        graph_mm,
     })
+}
+
+/// For drawings: nothing where it would be more than a drawing shows.
+fn sketched(sketch: Sketch) -> (Vec<RouteCell>, Vec<[Point; 2]>) {
+    let Sketch { cells, mut edges } = sketch;
+    let cells = if cells.len() > MOST_SKETCHED {
+        Vec::new()
+    } else {
+        let told = cells.into_iter().map(|cell| RouteCell {
+            corners_mm: cell.corners.map(|corner| corner.map(shown)).to_vec(),
+            free: cell.free,
+        });
+        told.collect()
+    };
+    if edges.len() > MOST_SKETCHED {
+        edges.clear();
+    }
+    let graph = edges.into_iter().map(|edge| edge.map(|end| end.map(shown)));
+    (cells, graph.collect())
 }
 
 fn side(floor: &Floor, axis: usize) -> f64 {

@@ -25,6 +25,7 @@ mod page;
 mod params;
 mod prefer;
 mod preview;
+mod preview_profile;
 mod problems;
 mod responses;
 mod robots;

@@ -142,6 +142,18 @@ fn every_method_goes_around_the_wall() {
         assert_eq!(answer.points_mm.first(), Some(&question.start_mm));
         assert_eq!(answer.points_mm.last(), Some(&question.goal_mm));
         assert_eq!(answer, robotics::plan_route(&question).unwrap());
+        // What it looked at, for a drawing.
+        let of_cells = matches!(method, RouteMethod::Trapezoidal | RouteMethod::Quadtree);
+        assert_eq!(!answer.cells.is_empty(), of_cells, "{method:?}");
+        assert_eq!(!answer.graph_mm.is_empty(), !of_cells, "{method:?}");
+        // The middle of a free cell is at least the robot's radius from the wall.
+        for cell in answer.cells.iter().filter(|cell| cell.free) {
+            let middle = |axis: usize| cell.corners_mm.iter().map(|c| c[axis]).sum::<f64>() / 4.0;
+            let (x, y) = (middle(0), middle(1));
+            let (beside, above) = ((x - 450.0).abs() - 50.0, y - 700.0);
+            let away = beside.max(0.0).hypot(above.max(0.0));
+            assert!(away >= 50.0 - 1e-6, "{method:?}: {cell:?}");
+        }
     }
 }
 

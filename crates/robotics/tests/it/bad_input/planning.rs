@@ -1,10 +1,10 @@
 //! Trajectories, paths of the tool, floors.
 
-use api::paths::{PlanRouteBody, RouteMethod};
+use api::paths::{PlanRouteBody, PolygonBody, RouteMethod};
 use api::trajectory::{
     ToolPathBody, ToolPathKind, TrajectoryBody, TrajectoryKind, TrajectoryResult,
 };
-use robotics::Refusal;
+use robotics::{Refusal, RefusalKind};
 
 use super::{HOME, M20, NAN, assert_refused};
 use crate::common::pose;
@@ -263,4 +263,39 @@ fn floors_and_polygons_that_make_no_sense_are_refused() {
         "search.samples",
         "it is 0",
     );
+    // 400 corners leave 250,000 steps in the potential field.
+    assert_refused(
+        asked(|body| {
+            body.obstacles = vec![body.obstacles[0].clone(); 100];
+            body.search.method = Some(RouteMethod::PotentialField);
+            body.search.steps = Some(300_000);
+        }),
+        "search.steps",
+        "it must be from 1 to 250000",
+    );
+}
+
+/// Two combs of 250 teeth across each other: 62,500 crossings of their edges, nine times as many with the robot's disc
+/// around them. The answer comes before memory ends.
+#[test]
+fn obstacles_with_too_many_crossings_are_given_up() {
+    let mut body = floor(RouteMethod::Trapezoidal);
+    body.radius_mm = 0.5;
+    body.start_mm = [5.0, 5.0];
+    body.goal_mm = [995.0, 995.0];
+    let teeth = (0..250_u32).map(|tooth| {
+        let along = 100.0 + 3.0 * f64::from(tooth);
+        [along, if tooth % 2 == 0 { 30.0 } else { 970.0 }]
+    });
+    let comb: Vec<[f64; 2]> = teeth.chain([[900.0, 10.0], [50.0, 10.0]]).collect();
+    let across = comb.iter().map(|[x, y]| [*y, *x]).collect();
+    body.obstacles = [comb, across]
+        .map(|corners_mm| PolygonBody {
+            name: None,
+            corners_mm,
+        })
+        .to_vec();
+    let refused = robotics::plan_route(&body).unwrap_err();
+    assert_eq!(refused.kind, RefusalKind::NoWay);
+    assert!(refused.detail.contains("400000 cells"), "{refused}");
 }
