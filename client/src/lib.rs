@@ -8,6 +8,7 @@
 //! Client ──── cells, version, health, metrics, the thesis's own routes
 //!   ├─ Control ── who may move the robots of a cell: take it, keep it, give it back
 //!   ├─ CellSetup ── export, import, check, parts, teach, calibrate
+//!   ├─ Arms ── arm models, trajectories, routes: nothing of a cell
 //!   ├─ Robot ── description, state, forward, inverse, motions
 //!   ├─ Jobs ── jobs, sessions, loads, the cell's state
 //!   └─ MobileRobotClient ── state, signals, outbox
@@ -48,6 +49,7 @@
 
 mod access;
 mod answer;
+mod arms;
 mod control;
 mod emulator;
 mod error;
@@ -62,6 +64,7 @@ mod server;
 mod setup;
 
 pub use answer::MAX_ANSWER_BYTES;
+pub use arms::Arms;
 pub use control::{Control, HeldControl};
 pub use emulator::{Change, EmulatorClient};
 pub use error::ClientError;

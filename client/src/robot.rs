@@ -1,5 +1,6 @@
 use std::time::Duration;
 
+use api::arms::{ArmJacobianBody, ArmJacobianResult, ReachBody, ReachResult};
 use api::{
     ForwardBody, ForwardResult, InverseBody, InverseResult, Motion, MotionBody, MotionList,
     MotionPreview, RobotDescription, RobotState, SpeedOverride, StopBody, StopResult,
@@ -97,6 +98,26 @@ impl Robot {
             .body(body)
             .json()
             .await
+    }
+
+    /// The Jacobians at the robot's tool, in its user frame.
+    ///
+    /// # Errors
+    /// As [`Robot::describe`].
+    pub async fn jacobian(&self, body: &ArmJacobianBody) -> Result<ArmJacobianResult, ClientError> {
+        self.post(&["kinematics", "jacobian"], Effect::Question)
+            .body(body)
+            .json()
+            .await
+    }
+
+    /// Which of a set of poses the robot reaches with its tool.
+    ///
+    /// # Errors
+    /// A problem `validation` for too many poses; else as [`Robot::describe`].
+    pub async fn reachability(&self, body: &ReachBody) -> Result<ReachResult, ClientError> {
+        let effect = Effect::LongQuestion(self.http.timeouts.command);
+        self.post(&["reachability"], effect).body(body).json().await
     }
 
     /// Every branch that reaches a pose.

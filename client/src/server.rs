@@ -7,7 +7,7 @@ use uuid::Uuid;
 
 use crate::http::{Effect, Exchange, Http};
 use crate::robot::KEY;
-use crate::{Ask, CellSetup, ClientError, Robot, Timeouts};
+use crate::{Arms, Ask, CellSetup, ClientError, Robot, Timeouts};
 
 /// The server's HTTP API. Cheap to clone.
 ///
@@ -73,6 +73,12 @@ impl Client {
     #[must_use]
     pub fn setup(&self, cell: &str) -> CellSetup {
         CellSetup::new(self.http.clone(), cell)
+    }
+
+    /// Questions about arm models and paths. Nothing is sent.
+    #[must_use]
+    pub fn arms(&self) -> Arms {
+        Arms::new(self.http.clone())
     }
 
     /// Every cell with its robots.

@@ -51,6 +51,7 @@
 pub mod authority;
 mod cell;
 mod clock;
+mod compute;
 pub mod config;
 mod connections;
 mod edge;

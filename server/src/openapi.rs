@@ -22,7 +22,7 @@ at most once.
 
 This is not a safety function: emergency stop and guards are hard-wired in the controller.";
 
-const TAGS: [(&str, &str); 16] = [
+const TAGS: [(&str, &str); 18] = [
     ("motions", "Moving a robot, and what became of it."),
     (
         "jobs",
@@ -47,6 +47,12 @@ const TAGS: [(&str, &str); 16] = [
         "kinematics",
         "Between poses and joint values; nothing is sent.",
     ),
+    (
+        "arms",
+        "Questions about arm models, of any number of joints: kinematics, reach, trajectories, ways among obstacles. No \
+         robot of a cell is concerned.",
+    ),
+    ("paths", "Paths of a disc-shaped robot among polygons."),
     ("cells", "The cells and their robots."),
     (
         "setup",

@@ -199,6 +199,12 @@ async fn a_motion_succeeds_when_the_arm_is_seen_at_its_target() -> anyhow::Resul
     // A plan is bound to where the arm is.
     let plan = robot.preview_motion(&home()).await?;
     assert!(plan.feasible && plan.duration_s.unwrap() > 0.0, "{plan:?}");
+    let profile = plan.profile.as_ref().unwrap();
+    let (first, last) = (&profile.samples[0], profile.samples.last().unwrap());
+    let is = |joints: Option<api::JointsBody>| <[f64; 6]>::from(joints.unwrap()).to_vec();
+    assert_eq!(first.position_deg_mm, is(plan.start_joints));
+    assert_eq!(last.position_deg_mm, is(plan.expected_joints));
+    assert!(profile.duration_s > 0.0 && profile.failure.is_none());
     let planned = MotionBody {
         plan_id: plan.plan_id,
         ..MotionBody::new(MotionType::Home)

@@ -3,6 +3,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 use uuid::Uuid;
 
+use crate::trajectory::MotionProfile;
 use crate::{
     BranchBody, JointMargin, JointsBody, PoseBody, ProblemCode, SingularityBody, StopEffect,
     Violation,
@@ -87,6 +88,10 @@ pub struct MotionPreview {
     /// About how long it would take, in seconds, at full override; absent where the start is not known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub duration_s: Option<f64>,
+    /// How it would go, by the model's speeds and accelerations; absent where the start is not known, or the speed of the
+    /// controller's own interpolation. A controller may take another way or another time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub profile: Option<MotionProfile>,
     /// Why it would be refused.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub code: Option<ProblemCode>,

@@ -4,6 +4,7 @@
 //! arrived; whoever reads them converts to the checked types of `units` and `kinematics` before using them.
 //! Requests refuse unknown and duplicate keys; answers may grow, so clients ignore keys they do not know.
 
+pub mod arms;
 mod audit;
 mod authority;
 mod cell_state;
@@ -20,12 +21,14 @@ mod legacy;
 mod load;
 mod mobile;
 mod motion;
+pub mod paths;
 mod pose;
 mod problem;
 mod session;
 pub mod setup;
 mod simulation;
 mod state;
+pub mod trajectory;
 
 pub use audit::{AuditEntry, AuditList, AuditResult};
 pub use authority::{

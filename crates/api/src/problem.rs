@@ -287,6 +287,8 @@ problem_codes! {
     SimulatorBusy, "simulator-busy", 503, "Another simulation runs";
     /// The simulation broke off. Nothing of the cell has changed.
     SimulationFailed, "simulation-failed", 500, "The simulation failed";
+    /// There is no way from start to goal, or none was found within what was allowed.
+    NoWay, "no-way", 422, "No way was found";
 }
 
 // By hand: the derived schema does not see a name that a macro gives, and would list the variants.

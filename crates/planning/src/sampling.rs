@@ -47,6 +47,14 @@ struct Edge {
     free: Option<bool>,
 }
 
+/// A way through a roadmap.
+pub(crate) struct Found<const N: usize> {
+    /// Start, the samples between, goal.
+    pub(crate) way: Vec<[f64; N]>,
+    /// The edges of the map that are known to be free.
+    pub(crate) edges: Vec<[[f64; N]; 2]>,
+}
+
 /// Start, the samples between, goal; `None` if all samples were in vain. Start and goal must be
 /// valid.
 pub(crate) fn search<const N: usize, S: Space<N>>(
@@ -54,9 +62,12 @@ pub(crate) fn search<const N: usize, S: Space<N>>(
     start: [f64; N],
     goal: [f64; N],
     sampling: &Sampling,
-) -> Option<Vec<[f64; N]>> {
+) -> Option<Found<N>> {
     if space.is_free(&start, &goal) {
-        return Some(vec![start, goal]);
+        return Some(Found {
+            way: vec![start, goal],
+            edges: Vec::new(),
+        });
     }
     let mut random = Pcg64Mcg::seed_from_u64(sampling.seed);
     let mut map = Map {
@@ -76,7 +87,11 @@ pub(crate) fn search<const N: usize, S: Space<N>>(
         }
         if let Some(way) = map.way() {
             let nodes = way.into_iter();
-            return nodes.map(|node| map.nodes.get(node).copied()).collect();
+            let way: Option<_> = nodes.map(|node| map.nodes.get(node).copied()).collect();
+            return Some(Found {
+                way: way?,
+                edges: map.free_edges(),
+            });
         }
     }
     None
@@ -127,6 +142,17 @@ impl<const N: usize, S: Space<N>> Map<'_, N, S> {
         }
         self.nodes.push(sample);
         self.edges.push(own);
+    }
+
+    fn free_edges(&self) -> Vec<[[f64; N]; 2]> {
+        let nodes = self.nodes.iter().zip(&self.edges).enumerate();
+        let edges = nodes.flat_map(|(index, (node, edges))| {
+            // Each edge is kept at both its ends.
+            let once = edges.iter().filter(move |edge| edge.to < index);
+            let free = once.filter(|edge| edge.free == Some(true));
+            free.filter_map(|edge| Some([*self.nodes.get(edge.to)?, *node]))
+        });
+        edges.collect()
     }
 
     /// The shortest way from node 0 to node 1 whose edges are all free.

@@ -1,6 +1,7 @@
 //! The routes, one file a resource. `routes!` registers a handler and its description in one step, so that no route
 //! can miss the OpenAPI document.
 
+mod arms;
 mod audit;
 mod caller;
 mod cell_state;
@@ -24,6 +25,7 @@ mod page;
 mod params;
 mod prefer;
 mod preview;
+mod preview_profile;
 mod problems;
 mod responses;
 mod robots;
@@ -60,6 +62,7 @@ pub(crate) fn documented() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(robots::get_robot_state))
         .routes(routes!(kinematics::forward))
         .routes(routes!(kinematics::inverse))
+        .merge(arms::documented())
         .routes(routes!(motions::create_motion, motions::list_motions))
         .routes(routes!(preview::preview_motion))
         .routes(routes!(motions::get_motion))

@@ -10,9 +10,9 @@ use tokio::time::Instant;
 use uuid::Uuid;
 
 use super::kinematics::{branch_body, order};
-use super::motion_body;
 use super::params::{RobotOf, RobotPath};
 use super::responses::{AnyProblem, BodyProblem, CrossSite, InvalidJson, NotFound};
+use super::{motion_body, preview_profile};
 use crate::extract::JsonBody;
 use crate::link::Base;
 use crate::motions::{
@@ -124,6 +124,9 @@ fn feasible(robot: &Arc<Robot>, planned: Planned, start: Start, revision: u64) -
         singularity: Some(singularity_body(&plan.model.singularity(&asked.joints))),
         solutions: solutions(robot, &asked, &near),
         duration_s: duration(robot, &asked, start).map(shown),
+        profile: start
+            .joints()
+            .and_then(|from| preview_profile::profile(plan, &from, &asked)),
         ..empty(start, revision)
     }
 }
@@ -150,6 +153,7 @@ fn empty(start: Start, revision: u64) -> MotionPreview {
         solutions: Vec::new(),
         start_joints: start.joints().map(|joints| joints_body(&joints)),
         duration_s: None,
+        profile: None,
         code: None,
         detail: None,
         violations: Vec::new(),

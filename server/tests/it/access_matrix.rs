@@ -104,6 +104,22 @@ GET    /api/v1/cells/{cell}/stations/{station}/points/{point}/sessions VOIA
 GET    /api/v1/cells/{cell}/loads                                   VOIA
 GET    /api/v1/cells/{cell}/loads/{load}                            VOIA
 PUT    /api/v1/cells/{cell}/loads/{load}/custody                    OI
+GET    /api/v1/arms                                                  VOIA
+GET    /api/v1/arms/{model}                                          VOIA
+POST   /api/v1/arms/{model}/forward                                  VOIA
+POST   /api/v1/arms/{model}/inverse                                  VOIA
+POST   /api/v1/arms/{model}/jacobian                                 VOIA
+POST   /api/v1/arms/{model}/rates                                    VOIA
+POST   /api/v1/arms/{model}/calibrate-tool                           VOIA
+POST   /api/v1/arms/{model}/velocity-motion                          VOIA
+POST   /api/v1/arms/{model}/reachability                             VOIA
+POST   /api/v1/arms/{model}/trajectories                             VOIA
+POST   /api/v1/arms/{model}/tool-paths                               VOIA
+POST   /api/v1/arms/{model}/transfers                                VOIA
+POST   /api/v1/routes/plan                                           VOIA
+POST   /api/v1/cells/{cell}/mobile-robots/{mobile_robot}/routes/plan VOIA
+POST   /api/v1/cells/{cell}/robots/{robot}/reachability              VOIA
+POST   /api/v1/cells/{cell}/robots/{robot}/kinematics/jacobian       VOIA
 POST   /fanuc/move                                                   OI
 POST   /fanuc/home                                                   OI
 POST   /fanuc/delta                                                  OI
@@ -211,6 +227,7 @@ fn filled(template: &str) -> String {
         .replace("{cell}/events", "{cell}/events?types=-A")
         .replace("{cell}", "c1")
         .replace("{robot}", "r1")
+        .replace("{model}", "scara")
         .replace("{code}", "validation")
         .replace("{lease}", uuid)
         .replace("{id}", "0000000000000000")

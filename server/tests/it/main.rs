@@ -7,6 +7,7 @@
 )]
 
 mod access_matrix;
+mod arms;
 mod audit;
 mod bad_bodies;
 mod bounds;

@@ -8,6 +8,7 @@ use std::sync::LazyLock;
 
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, Rotation3, Vector3};
 
+use crate::frames::Frames;
 use crate::pose::Pose;
 use crate::serial::error::{OutsideRange, SerialError};
 use crate::serial::file::{self, SerialModelError};
@@ -259,6 +260,25 @@ impl SerialArm {
     #[must_use]
     pub fn base(&self) -> Pose {
         Pose::from_parts(self.base.translation.vector, self.base.rotation)
+    }
+
+    /// `X_nF`: from the last frame of the table to the flange.
+    #[must_use]
+    pub fn flange(&self) -> Pose {
+        Pose::from_parts(self.flange.translation.vector, self.flange.rotation)
+    }
+
+    /// The same arm seen from a user frame and with a tool: its "world" is the user frame, its
+    /// "flange" the tool, so that every pose is `X_UT` and every Jacobian the tool's.
+    #[must_use]
+    pub fn with_frames(&self, frames: &Frames) -> SerialArm {
+        SerialArm::from_parts(
+            self.name.clone(),
+            self.manufacturer.clone(),
+            self.joints.clone(),
+            frames.user_frame.isometry().inverse() * self.base,
+            self.flange * frames.tool.isometry(),
+        )
     }
 
     /// Joint values from degrees and millimeters, base first. Ranges are not checked; see

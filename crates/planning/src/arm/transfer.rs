@@ -167,11 +167,11 @@ pub fn transfer(
             return Err(ArmError::Touches { end, touch });
         }
     }
-    let points =
+    let found =
         search(&space, start.radians(), goal.radians(), sampling).ok_or(ArmError::GaveUp {
             samples: sampling.most,
         })?;
-    let mut points = space.shortened(&points);
+    let mut points = space.shortened(&found.way);
     // The ends exactly as they were given.
     if let [first, .., last] = points.as_mut_slice() {
         (*first, *last) = (*start, *goal);

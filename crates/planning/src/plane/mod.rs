@@ -22,15 +22,17 @@ mod potential;
 mod quadtree;
 mod route;
 mod sampled;
+mod sketch;
 mod trapezoids;
 
 pub use floor::{Floor, PlaneError};
 pub use polygon::{Polygon, PolygonError};
-pub use potential::{Field, potential};
-pub use quadtree::quadtree;
+pub use potential::{Field, potential, potential_sketched};
+pub use quadtree::{quadtree, quadtree_sketched};
 pub use route::Route;
-pub use sampled::{Sampling, roadmap};
-pub use trapezoids::trapezoids;
+pub use sampled::{Sampling, roadmap, roadmap_sketched};
+pub use sketch::{Sketch, SketchedCell};
+pub use trapezoids::{trapezoids, trapezoids_sketched};
 
 /// x and y in millimeters.
 pub type Point = [f64; 2];

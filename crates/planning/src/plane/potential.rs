@@ -10,6 +10,7 @@ use super::Point;
 use super::floor::{Floor, PlaneError, within};
 use super::polygon::between;
 use super::route::Route;
+use super::sketch::Sketch;
 
 /// What the field is made of, and how long it is searched.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,6 +66,19 @@ pub fn potential(
     goal: Point,
     field: &Field,
 ) -> Result<Route, PlaneError> {
+    Ok(potential_sketched(floor, start, goal, field)?.0)
+}
+
+/// As [`potential`], with the steps that led to the goal, detours and all.
+///
+/// # Errors
+/// As [`potential`].
+pub fn potential_sketched(
+    floor: &Floor,
+    start: Point,
+    goal: Point,
+    field: &Field,
+) -> Result<(Route, Sketch), PlaneError> {
     let _ = within("attraction of the field", field.attraction, 1e-9, 1e9)?;
     let _ = within("repulsion of the field", field.repulsion, 0.0, 1e15)?;
     let _ = within("influence of the field", field.influence, 1e-3, 1e6)?;
@@ -108,7 +122,12 @@ pub fn potential(
         }
     }
     path.push(goal);
-    Ok(Route::new(path).shortened(floor))
+    let steps = path.iter().zip(path.iter().skip(1));
+    let sketch = Sketch {
+        cells: Vec::new(),
+        edges: steps.map(|(a, b)| [*a, *b]).collect(),
+    };
+    Ok((Route::new(path).shortened(floor), sketch))
 }
 
 struct Search<'a> {

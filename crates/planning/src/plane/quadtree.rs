@@ -5,6 +5,7 @@ use super::floor::{Floor, PlaneError, within};
 use super::graph::shortest;
 use super::polygon::between;
 use super::route::Route;
+use super::sketch::{Sketch, SketchedCell};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Color {
@@ -44,6 +45,19 @@ pub fn quadtree(
     goal: Point,
     resolution: f64,
 ) -> Result<Route, PlaneError> {
+    Ok(quadtree_sketched(floor, start, goal, resolution)?.0)
+}
+
+/// As [`quadtree`], with the cells as far as they were divided.
+///
+/// # Errors
+/// As [`quadtree`].
+pub fn quadtree_sketched(
+    floor: &Floor,
+    start: Point,
+    goal: Point,
+    resolution: f64,
+) -> Result<(Route, Sketch), PlaneError> {
     let resolution = within("resolution", resolution, 0.1, 1e5)?;
     floor.check("start", start)?;
     floor.check("goal", goal)?;
@@ -65,7 +79,7 @@ pub fn quadtree(
                 points.extend(tree.door(*from, *to));
             }
             points.push(goal);
-            return Ok(Route::new(points).shortened(floor));
+            return Ok((Route::new(points).shortened(floor), tree.sketched()));
         }
         for index in gray {
             tree.divide(index);
@@ -116,6 +130,26 @@ impl<'a> Tree<'a> {
             half,
             color,
             children: None,
+        }
+    }
+
+    fn sketched(&self) -> Sketch {
+        let leaves = self.cells.iter().filter(|cell| cell.children.is_none());
+        let cells = leaves.map(|cell| {
+            let ([x, y], [w, h]) = (cell.middle, cell.half);
+            SketchedCell {
+                corners: [
+                    [x - w, y - h],
+                    [x + w, y - h],
+                    [x + w, y + h],
+                    [x - w, y + h],
+                ],
+                free: cell.color == Color::White,
+            }
+        });
+        Sketch {
+            cells: cells.collect(),
+            edges: Vec::new(),
         }
     }
 

@@ -7,6 +7,7 @@ use super::Point;
 use super::floor::{Floor, PlaneError};
 use super::polygon::between;
 use super::route::Route;
+use super::sketch::Sketch;
 use crate::sampling::{Space, search};
 
 pub use crate::sampling::Sampling;
@@ -26,14 +27,31 @@ pub fn roadmap(
     goal: Point,
     sampling: &Sampling,
 ) -> Result<Route, PlaneError> {
+    Ok(roadmap_sketched(floor, start, goal, sampling)?.0)
+}
+
+/// As [`roadmap`], with the edges of the map.
+///
+/// # Errors
+/// As [`roadmap`].
+pub fn roadmap_sketched(
+    floor: &Floor,
+    start: Point,
+    goal: Point,
+    sampling: &Sampling,
+) -> Result<(Route, Sketch), PlaneError> {
     floor.check("start", start)?;
     floor.check("goal", goal)?;
-    let points = search(&OnFloor(floor), start, goal, sampling).ok_or(PlaneError::GaveUp {
+    let found = search(&OnFloor(floor), start, goal, sampling).ok_or(PlaneError::GaveUp {
         method: "probabilistic roadmap",
         effort: sampling.most,
         unit: "samples",
     })?;
-    Ok(Route::new(points).shortened(floor))
+    let sketch = Sketch {
+        cells: Vec::new(),
+        edges: found.edges,
+    };
+    Ok((Route::new(found.way).shortened(floor), sketch))
 }
 
 struct OnFloor<'a>(&'a Floor);

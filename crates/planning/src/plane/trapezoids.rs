@@ -7,11 +7,15 @@ use super::floor::{Floor, PlaneError};
 use super::graph::shortest;
 use super::polygon::between;
 use super::route::Route;
+use super::sketch::{Sketch, SketchedCell};
 
 /// Corners of the polygon around the robot's disc.
 const CORNERS: u32 = 16;
 /// Openings narrower than this are none.
 const LEAST: f64 = 1e-6;
+
+/// More cells, or lines between them, than this are not looked at.
+const MOST_CELLS: u32 = 400_000;
 
 /// A piece of a grown obstacle: within it, edges come in pairs from below.
 type Edges = Vec<(Point, Point)>;
@@ -34,18 +38,35 @@ struct Cell {
 /// it is found.
 ///
 /// # Errors
-/// Start or goal where the robot cannot stand, or no path.
+/// Start or goal where the robot cannot stand, no path, or obstacles that overlap in more than
+/// 400,000 trapezoids.
 pub fn trapezoids(floor: &Floor, start: Point, goal: Point) -> Result<Route, PlaneError> {
+    Ok(trapezoids_sketched(floor, start, goal)?.0)
+}
+
+/// As [`trapezoids`], with the trapezoids.
+///
+/// # Errors
+/// As [`trapezoids`].
+pub fn trapezoids_sketched(
+    floor: &Floor,
+    start: Point,
+    goal: Point,
+) -> Result<(Route, Sketch), PlaneError> {
     floor.check("start", start)?;
     floor.check("goal", goal)?;
     if floor.is_free(start, goal) {
-        return Ok(Route::new(vec![start, goal]));
+        return Ok((Route::new(vec![start, goal]), Sketch::default()));
     }
     let no_path = || PlaneError::NoPath {
         method: "exact cell decomposition",
         resolution: floor.radius() * (outer() - 1.0),
     };
-    let cells = decompose(floor);
+    let cells = decompose(floor).ok_or(PlaneError::GaveUp {
+        method: "exact cell decomposition",
+        effort: MOST_CELLS,
+        unit: "cells or events",
+    })?;
     let (Some(first), Some(last)) = (cell_of(floor, &cells, start), cell_of(floor, &cells, goal))
     else {
         return Err(no_path());
@@ -95,10 +116,22 @@ pub fn trapezoids(floor: &Floor, start: Point, goal: Point) -> Result<Route, Pla
     }
     points.extend(cells.get(last).map(Cell::middle));
     points.push(goal);
-    Ok(Route::new(points).shortened(floor))
+    let sketch = Sketch {
+        cells: cells.iter().map(Cell::sketched).collect(),
+        edges: Vec::new(),
+    };
+    Ok((Route::new(points).shortened(floor), sketch))
 }
 
 impl Cell {
+    fn sketched(&self) -> SketchedCell {
+        let ([x0, x1], [b0, b1], [t0, t1]) = (self.x, self.bottom, self.top);
+        SketchedCell {
+            corners: [[x0, b0], [x1, b1], [x1, t1], [x0, t0]],
+            free: true,
+        }
+    }
+
     fn middle(&self) -> Point {
         let [x0, x1] = self.x;
         let sum: f64 = self.bottom.iter().chain(&self.top).sum();
@@ -197,12 +230,14 @@ fn hull(mut points: Vec<Point>) -> Vec<Point> {
     lower
 }
 
-fn decompose(floor: &Floor) -> Vec<Cell> {
+/// Nothing if there are too many cells.
+fn decompose(floor: &Floor) -> Option<Vec<Cell>> {
     let pieces = pieces(floor);
     let radius = floor.radius();
     let (left, right) = (floor.min()[0] + radius, floor.max()[0] - radius);
     let (bottom, top) = (floor.min()[1] + radius, floor.max()[1] - radius);
-    let events = events(&pieces, [left, right], [bottom, top]);
+    let most = usize::try_from(MOST_CELLS).ok()?;
+    let events = events(&pieces, [left, right], [bottom, top], most)?;
     let mut cells = Vec::new();
     // Edges by where they begin; those that ended are dropped on the way.
     let mut waiting: Vec<(usize, Point, Point)> = pieces
@@ -224,6 +259,9 @@ fn decompose(floor: &Floor) -> Vec<Cell> {
     let mut active: Vec<(usize, Point, Point)> = Vec::new();
     let spans = events.iter().zip(events.iter().skip(1));
     for (slab, (&x0, &x1)) in spans.enumerate() {
+        if cells.len() > most {
+            return None;
+        }
         let x = 0.5 * (x0 + x1);
         while let Some(edge) = waiting.next_if(|(_, a, _)| a[0] < x) {
             active.push(edge);
@@ -270,7 +308,7 @@ fn decompose(floor: &Floor) -> Vec<Cell> {
             }
         }
     }
-    cells
+    Some(cells)
 }
 
 fn height(a: Point, b: Point, x: f64) -> f64 {
@@ -279,7 +317,14 @@ fn height(a: Point, b: Point, x: f64) -> f64 {
 }
 
 /// Every x at which an edge begins, ends or crosses another one, or an edge of the floor.
-fn events(pieces: &[Edges], [left, right]: [f64; 2], [bottom, top]: [f64; 2]) -> Vec<f64> {
+///
+/// Nothing if there are more than `most`.
+fn events(
+    pieces: &[Edges],
+    [left, right]: [f64; 2],
+    [bottom, top]: [f64; 2],
+    most: usize,
+) -> Option<Vec<f64>> {
     let mut edges: Vec<(Point, Point)> = pieces
         .iter()
         .flatten()
@@ -294,11 +339,14 @@ fn events(pieces: &[Edges], [left, right]: [f64; 2], [bottom, top]: [f64; 2]) ->
         let later = edges.iter().skip(index + 1);
         let overlapping = later.take_while(|(c, _)| c[0] <= b[0]);
         events.extend(overlapping.filter_map(|(c, d)| crossing(*a, *b, *c, *d)));
+        if events.len() > most {
+            return None;
+        }
     }
     events.retain(|x| (left..=right).contains(x));
     events.sort_by(f64::total_cmp);
     events.dedup_by(|a, b| *a - *b < 1e-9);
-    events
+    Some(events)
 }
 
 /// The x at which two segments cross.

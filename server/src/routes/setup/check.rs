@@ -1,30 +1,17 @@
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
-use api::ProblemCode;
 use api::setup::{SetupCheck, SetupFile};
 use axum::Json;
 use axum::extract::{Request, State};
 use axum::http::header;
 
 use super::body::document;
+use crate::compute::compute;
 use crate::problem::Problem;
 use crate::routes::params::{CellId, CellPath};
 use crate::routes::responses::{AnyProblem, BodyProblem, CrossSite, NotFound};
 use crate::setup::parse_setup;
 use crate::state::App;
-
-/// Whoever waits for an answer; gone once this is dropped.
-#[derive(Debug, Default)]
-struct Caller {
-    gone: Arc<AtomicBool>,
-}
-
-impl Drop for Caller {
-    fn drop(&mut self) {
-        self.gone.store(true, Ordering::Relaxed);
-    }
-}
 
 /// Plans every taught pose and measures every route. Nothing moves, nothing is changed.
 ///
@@ -61,30 +48,17 @@ pub(super) async fn check_setup(
     } else {
         None
     };
-    // Thousands of inverse kinematics: one check at a time, and not on a thread that answers others. Who goes away
-    // while waiting is not waited for, and nobody goes on computing for them.
-    let Ok(place) = Arc::clone(&app.computing).acquire_owned().await else {
-        unreachable!("the place for computing is never closed");
-    };
-    let caller = Caller::default();
-    let given_up = Arc::clone(&caller.gone);
-    let checking = tokio::task::spawn_blocking(move || {
-        let _until_the_end = place;
+    // Thousands of inverse kinematics: not on a thread that answers others.
+    let checked = compute(&app, move |given_up| {
         if let Some(sent) = text {
             let file = parse_setup(&sent.text, sent.form)?;
-            return Ok(book.checked(&file)?.check_for(&given_up));
+            return Ok(book.checked(&file)?.check_for(given_up));
         }
         let kept = book.current();
         Ok(SetupCheck {
             revision: Some(kept.revision),
-            ..kept.setup.check_for(&given_up)
+            ..kept.setup.check_for(given_up)
         })
     });
-    match checking.await {
-        Ok(checked) => checked.map(Json),
-        Err(_) => Err(Problem::new(
-            ProblemCode::Internal,
-            "the check ended early; the server's log says more",
-        )),
-    }
+    checked.await.map(Json)
 }

@@ -1,0 +1,211 @@
+//! Tool calibration, reachability, transfers.
+
+use api::arms::{
+    ArmCalibrationBody, ArmCalibrationMethod, ArmCalibrationPoint, ArmObstacle, ArmSolver,
+    ArmTransferBody, ReachBody, ReachGrid, ReachPlane,
+};
+
+use crate::common::{assert_near, forward_of, pose};
+
+fn at(flange: [f64; 6]) -> ArmCalibrationPoint {
+    ArmCalibrationPoint {
+        flange: Some(pose(flange)),
+        ..ArmCalibrationPoint::default()
+    }
+}
+
+/// By hand: a tip 100 along the flange's Z and 10 along its X, at the world's (500, 0, 300). Turned by R the flange is
+/// at (500, 0, 300) - R (10, 0, 100). Upright: (490, 0, 200). W = 180 turns Y and Z over: (490, 0, 400). P = 90 takes X
+/// to -Z and Z to X: (10, 0, 100) becomes (100, 0, -10), the flange is at (400, 0, 310). W = 90 takes Z to -Y: (10,
+/// -100, 0), the flange is at (490, 100, 300).
+fn taught() -> Vec<ArmCalibrationPoint> {
+    vec![
+        at([490.0, 0.0, 200.0, 0.0, 0.0, 0.0]),
+        at([490.0, 0.0, 400.0, 180.0, 0.0, 0.0]),
+        at([400.0, 0.0, 310.0, 0.0, 90.0, 0.0]),
+        at([490.0, 100.0, 300.0, 90.0, 0.0, 0.0]),
+    ]
+}
+
+#[test]
+fn a_tool_is_calibrated_as_by_hand() {
+    let three = ArmCalibrationBody {
+        tip: taught(),
+        ..ArmCalibrationBody::default()
+    };
+    let answer = robotics::calibrate("fanuc-m20ia", &three).unwrap();
+    assert_eq!(answer.method, ArmCalibrationMethod::ThreePoint);
+    let tool = answer.tool;
+    assert_near(&[tool.x_mm, tool.y_mm, tool.z_mm], [10.0, 0.0, 100.0], 1e-9);
+    assert_near(&answer.place_mm, [500.0, 0.0, 300.0], 1e-9);
+    assert_near(&[answer.worst_mm], [0.0], 1e-9);
+    // The tool's X along the flange's Y, its Z along the flange's Z: R = 90.
+    let six = ArmCalibrationBody {
+        orient_origin: Some(at([490.0, 0.0, 200.0, 0.0, 0.0, 0.0])),
+        along_x: Some(at([490.0, 100.0, 200.0, 0.0, 0.0, 0.0])),
+        along_z: Some(at([490.0, 0.0, 300.0, 0.0, 0.0, 0.0])),
+        ..three
+    };
+    let answer = robotics::calibrate("fanuc-m20ia", &six).unwrap();
+    let tool = answer.tool;
+    assert_near(
+        &[tool.w_deg, tool.p_deg, tool.r_deg],
+        [0.0, 0.0, 90.0],
+        1e-9,
+    );
+}
+
+#[test]
+fn a_tool_is_calibrated_from_joints_too() {
+    // The same tip in three postures of the arm, solved by the inverse kinematics with the tool on.
+    let tool = pose([10.0, -20.0, 150.0, 0.0, 0.0, 0.0]);
+    let turned = [[180.0, 0.0, 0.0], [150.0, 0.0, 0.0], [180.0, 30.0, 40.0]];
+    let tip = turned.map(|[w, p, r]| {
+        let question = api::arms::ArmInverseBody {
+            pose: Some(pose([900.0, 100.0, 500.0, w, p, r])),
+            frames: api::arms::ArmFrames {
+                tool: Some(tool),
+                user_frame: None,
+            },
+            ..Default::default()
+        };
+        let found = robotics::inverse("fanuc-m20ia", &question).unwrap();
+        ArmCalibrationPoint {
+            joints_deg_mm: Some(found.branches[0].joints_deg_mm.clone()),
+            flange: None,
+        }
+    });
+    let question = ArmCalibrationBody {
+        tip: tip.to_vec(),
+        ..ArmCalibrationBody::default()
+    };
+    let answer = robotics::calibrate("fanuc-m20ia", &question).unwrap();
+    let found = answer.tool;
+    assert_near(
+        &[found.x_mm, found.y_mm, found.z_mm],
+        [10.0, -20.0, 150.0],
+        1e-6,
+    );
+    assert_near(&answer.place_mm, [900.0, 100.0, 500.0], 1e-6);
+}
+
+fn grid(step_mm: f64, method: Option<ArmSolver>) -> ReachBody {
+    ReachBody {
+        grid: Some(ReachGrid {
+            plane: ReachPlane::Xz,
+            across_mm: 0.0,
+            u_mm: [0.0, 2400.0],
+            v_mm: [-400.0, 1600.0],
+            step_mm,
+            w_deg: 180.0,
+            p_deg: 0.0,
+            r_deg: 0.0,
+        }),
+        method,
+        ..ReachBody::default()
+    }
+}
+
+#[test]
+fn a_reachability_map_agrees_with_the_inverse_kinematics() {
+    let answer = robotics::reach("fanuc-m20ia", &grid(400.0, None)).unwrap();
+    assert_near(
+        &answer.u_mm,
+        [0.0, 400.0, 800.0, 1200.0, 1600.0, 2000.0, 2400.0],
+        0.0,
+    );
+    assert_near(
+        &answer.v_mm,
+        [-400.0, 0.0, 400.0, 800.0, 1200.0, 1600.0],
+        0.0,
+    );
+    assert_eq!(answer.solutions.len(), 42);
+    let mut reachable = 0;
+    for (index, inside) in answer.inside.iter().enumerate() {
+        let (x, z) = (answer.u_mm[index % 7], answer.v_mm[index / 7]);
+        let question = api::arms::ArmInverseBody {
+            pose: Some(pose([x, 0.0, z, 180.0, 0.0, 0.0])),
+            ..Default::default()
+        };
+        let found = robotics::inverse("fanuc-m20ia", &question);
+        let any = found.is_ok_and(|found| found.nearest.is_some());
+        assert_eq!(*inside > 0, any, "{x}, {z}");
+        reachable += usize::from(any);
+    }
+    assert_eq!(answer.reachable, reachable);
+    // 2400 is beyond the stretched arm: 150 + 790 + hypot(250, 835) = 1812 to the wrist.
+    assert!(answer.inside.chunks(7).all(|row| row[6] == 0));
+    // The quartic counts alike.
+    let quartic = robotics::reach("fanuc-m20ia", &grid(400.0, Some(ArmSolver::Quartic))).unwrap();
+    for (a, b) in answer.solutions.iter().zip(&quartic.solutions) {
+        assert_eq!(*a > 0, *b > 0);
+    }
+}
+
+/// By hand, SCARA: the quill's middle reaches from |325 - 275| = 50 to 600 around the base, but J2 only to 145 degrees:
+/// hypot(325 - 275 cos 35, 275 sin 35) = 186.7. From 280 to 380 of height.
+#[test]
+fn the_reach_of_the_scara_is_a_ring() {
+    let question = ReachBody {
+        poses: Some(
+            [
+                [150.0, 300.0],
+                [200.0, 300.0],
+                [599.0, 300.0],
+                [601.0, 300.0],
+                [400.0, 100.0],
+            ]
+            .map(|[x, z]| pose([x, 0.0, z, 180.0, 0.0, 0.0]))
+            .to_vec(),
+        ),
+        ..ReachBody::default()
+    };
+    let answer = robotics::reach("scara", &question).unwrap();
+    assert_eq!(answer.method, ArmSolver::DampedLeastSquares);
+    assert_eq!(answer.inside, [0, 1, 1, 0, 0]);
+}
+
+/// Between start and goal stands a zone that the straight way in joint space goes through.
+#[test]
+fn a_transfer_goes_around_what_is_in_the_way() {
+    let question = ArmTransferBody {
+        start_deg: vec![45.0, 20.0, -20.0, 0.0, -70.0, 0.0],
+        goal_deg: vec![-45.0, 20.0, -20.0, 0.0, -70.0, 0.0],
+        obstacles: vec![ArmObstacle::KeepOut {
+            min_mm: [700.0, -100.0, -500.0],
+            max_mm: [1500.0, 100.0, 900.0],
+        }],
+        ..ArmTransferBody::default()
+    };
+    let answer = robotics::transfer("fanuc-m20ia", &question).unwrap();
+    assert!(answer.points_deg.len() > 2 && answer.length_deg > 90.0);
+    assert_eq!(answer.points_deg.first(), Some(&question.start_deg));
+    assert_eq!(answer.points_deg.last(), Some(&question.goal_deg));
+    assert_eq!(
+        answer.flange_mm.len(),
+        16 * (answer.points_deg.len() - 1) + 1
+    );
+    for point in &answer.flange_mm {
+        let [x, y, z] = *point;
+        assert!(
+            !((700.0..1500.0).contains(&x) && y.abs() < 100.0 && z < 900.0),
+            "{point:?}"
+        );
+    }
+    let again = robotics::transfer("fanuc-m20ia", &question).unwrap();
+    assert_eq!(answer, again);
+    // Without it, straight.
+    let free = ArmTransferBody {
+        obstacles: Vec::new(),
+        ..question
+    };
+    let answer = robotics::transfer("fanuc-m20ia", &free).unwrap();
+    assert_near(&[answer.length_deg], [90.0], 1e-9);
+    // The flange is where the forward kinematics has it.
+    let there = robotics::forward("fanuc-m20ia", &forward_of(&free.start_deg)).unwrap();
+    assert_near(
+        &answer.flange_mm[0],
+        [there.tcp.x_mm, there.tcp.y_mm, there.tcp.z_mm],
+        1e-6,
+    );
+}
