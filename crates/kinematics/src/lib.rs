@@ -75,6 +75,7 @@ pub use dh::DhLink;
 pub use frames::Frames;
 pub use ik_error::{IkError, Obstacle, ReachBound};
 pub use joints::{Axis, ChainJoints, JointsError, PendantJoints};
+pub use lanes::Instructions;
 pub use limits::{LimitViolation, LimitViolations, Limits};
 pub use model::ArmModel;
 pub use model_file::ModelError;

@@ -7,6 +7,7 @@ use crate::coupling::Coupling;
 use crate::dh::DhLink;
 use crate::geometry::{Geometry, NotCovered};
 use crate::joints::{Axis, PendantJoints};
+use crate::lanes::Level;
 use crate::limits::Limits;
 use crate::model::ArmModel;
 
@@ -218,6 +219,7 @@ pub(crate) fn read(text: &str) -> Result<ArmModel, ModelError> {
         max_accelerations: joints.map(|joint| joint.max_acceleration),
         home: PendantJoints::from_degrees(joints.map(|joint| joint.home)),
         shown_middles: shown_middles(&joints.map(|joint| joint.limits)),
+        level: Level::new(),
     })
 }
 

@@ -8,8 +8,8 @@ mod support;
 
 use std::num::NonZeroUsize;
 
-use kinematics::{Axis, PendantJoints, Pose, Reach, ReachError};
-use support::{apart_but_for_turns, arm, assert_same_pose, inside};
+use kinematics::{ArmModel, Axis, PendantJoints, Pose, Reach, ReachError};
+use support::{apart_but_for_turns, arm, assert_same_pose, builds, inside};
 
 /// Poses all over the ranges, every seventh one singular, every eleventh out of reach.
 fn poses(count: u32) -> Vec<Pose> {
@@ -33,19 +33,25 @@ fn poses(count: u32) -> Vec<Pose> {
 
 #[test]
 fn a_batch_gives_the_joint_sets_of_one_pose_at_a_time() {
+    for arm in builds() {
+        assert_batch_is_one_at_a_time(&arm);
+    }
+}
+
+fn assert_batch_is_one_at_a_time(arm: &ArmModel) {
     let poses = poses(2001);
     let mut seen = 0;
-    arm().inverse_batch(&poses, |index, sets| {
+    arm.inverse_batch(&poses, |index, sets| {
         assert_eq!(index, seen);
         seen += 1;
-        let pose = &poses[index];
-        let alone: Vec<_> = arm().inverse_all(pose).map_or(Vec::new(), |found| {
+        let pose = poses.get(index).unwrap();
+        let alone: Vec<_> = arm.inverse_all(pose).map_or(Vec::new(), |found| {
             found.iter().map(|solution| solution.joints).collect()
         });
         assert_eq!(sets.len(), alone.len(), "{index}");
         assert_eq!(sets.is_empty(), alone.is_empty());
         for joints in sets.iter() {
-            assert_same_pose(&arm().forward(&joints), pose, "batch");
+            assert_same_pose(&arm.forward(&joints), pose, "batch");
             let near = alone
                 .iter()
                 .any(|other| apart_but_for_turns(other, &joints) < 1e-6);
