@@ -43,6 +43,7 @@
 mod batch;
 mod branches;
 mod calibration;
+mod capsule;
 mod checked;
 mod configuration;
 mod coupling;
@@ -70,6 +71,7 @@ mod zyz;
 pub use batch::JointSets;
 pub use branches::{Branches, Solution};
 pub use calibration::{CalibrationError, TipCalibration, calibrate_tip, calibrate_tool};
+pub use capsule::{Capsule, CapsuleError};
 pub use configuration::{Configuration, ConfigurationError, Elbow, Flip, Front};
 pub use dh::DhLink;
 pub use frames::Frames;

@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 use units::{DegPerSec, DegPerSec2, Degrees, Millimeters};
 
 use crate::branches::{Branches, Solution};
+use crate::capsule::Capsule;
 use crate::configuration::{Configuration, Elbow, Flip, Front, turns_of};
 use crate::coupling::Coupling;
 use crate::dh::DhLink;
@@ -49,6 +50,7 @@ pub struct ArmModel {
     pub(crate) shown_middles: [f64; 6],
     /// The instructions its functions are made of.
     pub(crate) level: Level,
+    pub(crate) capsules: Vec<Capsule>,
 }
 
 impl ArmModel {
@@ -136,6 +138,12 @@ impl ArmModel {
     #[must_use]
     pub fn reach(&self) -> Millimeters {
         Millimeters(self.geometry.reach)
+    }
+
+    /// The capsules the arm is made of, for checks of collisions; none if the model file has none.
+    #[must_use]
+    pub fn capsules(&self) -> &[Capsule] {
+        &self.capsules
     }
 
     /// The chain's angles of the pendant's joints.
