@@ -8,10 +8,57 @@
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use crate::geometry::Geometry;
-use crate::joints::ChainJoints;
-use crate::lanes::{Lane, Level, Number, Simd, SimdFrom, difference, dispatch, sum};
+use crate::joints::{ChainJoints, PendantJoints};
+use crate::lanes::{
+    LANES, Lane, Level, Number, Simd, SimdFrom, difference, dispatch, side_by_side, sum, transpose,
+};
+use crate::model::ArmModel;
 use crate::pose::Pose;
 use crate::trigonometry::{sin_cos, sin_cos_of_small};
+
+impl ArmModel {
+    /// `X_WF` at each of `joints`, given to `each` with its index, in order: [`Self::forward`] for
+    /// four joint sets at a time.
+    pub fn forward_batch(&self, joints: &[PendantJoints], mut each: impl FnMut(usize, &Pose)) {
+        let mut index = 0;
+        for joints in joints.chunks(LANES) {
+            let poses = group(self, joints);
+            for (_, pose) in joints.iter().zip(&poses) {
+                each(index, pose);
+                index += 1;
+            }
+        }
+    }
+}
+
+fn group(model: &ArmModel, joints: &[PendantJoints]) -> [Pose; LANES] {
+    dispatch!(model.level, simd => four(simd, model, joints))
+}
+
+#[inline(always)]
+fn four<S: Simd>(simd: S, model: &ArmModel, joints: &[PendantJoints]) -> [Pose; LANES] {
+    let g = &model.geometry;
+    let [q1, q2, q3, q4, q5, q6] = model.coupling.chain(&side_by_side(simd, joints));
+    let [a, b, c] = sin_cos(Arm::angles(q1, q2, q3));
+    let arm = Arm::compose(g, a, b, c);
+    let [a, b, c] = sin_cos(Wrist::angles(q4, q5, q6));
+    let wrist = Wrist::compose(g, a, b, c);
+    let Flange {
+        position: [x, y, z],
+        rotation: [w, i, j, k],
+    } = Flange::of(g, &arm, &wrist);
+    let [first, second, third, fourth] = transpose(&[x, y, z, w, i, j, k]);
+    [pose(first), pose(second), pose(third), pose(fourth)]
+}
+
+/// Of position and rotation, real part first.
+#[inline(always)]
+fn pose([x, y, z, w, i, j, k]: [f64; 7]) -> Pose {
+    Pose::from_parts(
+        Vector3::new(x, y, z),
+        UnitQuaternion::new_unchecked(Quaternion::new(w, i, j, k)),
+    )
+}
 
 /// `X_WF` of the chain's joints.
 pub(crate) fn flange(level: Level, geometry: &Geometry, joints: &ChainJoints) -> Pose {
@@ -38,10 +85,7 @@ fn flange_with<S: Simd>(simd: S, geometry: &Geometry, joints: &ChainJoints) -> P
         position: [x, y, z],
         rotation: [w, i, j, k],
     } = Flange::of(geometry, &arm, &wrist);
-    Pose::from_parts(
-        Vector3::new(x, y, z),
-        UnitQuaternion::new_unchecked(Quaternion::new(w, i, j, k)),
-    )
+    pose([x, y, z, w, i, j, k])
 }
 
 /// Sine and cosine.
@@ -186,7 +230,7 @@ fn plus<N: Number>((a, b): (N, N), rest: N) -> N {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use nalgebra::Matrix4;
     use proptest::prelude::*;
 
@@ -196,7 +240,7 @@ mod tests {
     use units::{Degrees, Millimeters, Radians};
 
     /// Any arm the closed form covers: every mix of twists, with a lateral offset.
-    fn any_table() -> impl Strategy<Value = [DhLink; 6]> {
+    pub(crate) fn any_table() -> impl Strategy<Value = [DhLink; 6]> {
         let sign = prop::array::uniform4(prop::sample::select(vec![-1.0, 1.0]));
         let length = prop::array::uniform8(-900.0..900.0_f64);
         (sign, length).prop_map(|([s1, s3, s4, s5], [d1, d2, d3, d4, d6, a1, a2, a3])| {

@@ -11,6 +11,8 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
+use crate::joints::PendantJoints;
+
 pub(crate) use fearless_simd::prelude::*;
 pub(crate) use fearless_simd::{Level, dispatch, mask64x4};
 
@@ -60,6 +62,9 @@ pub(crate) trait Number:
 
     /// The same with a factor for all lanes.
     fn scaled_plus(self, factor: f64, summand: Self) -> Self;
+
+    /// A number in as many lanes as this one has.
+    fn like(self, value: f64) -> Self;
 }
 
 impl Number for f64 {
@@ -73,6 +78,11 @@ impl Number for f64 {
     fn scaled_plus(self, factor: f64, summand: Self) -> Self {
         self * factor + summand
     }
+
+    #[inline(always)]
+    fn like(self, value: f64) -> Self {
+        value
+    }
 }
 
 impl<S: Simd> Number for Lane<S> {
@@ -84,6 +94,11 @@ impl<S: Simd> Number for Lane<S> {
     #[inline(always)]
     fn scaled_plus(self, factor: f64, summand: Self) -> Self {
         self.mul_add(factor, summand)
+    }
+
+    #[inline(always)]
+    fn like(self, value: f64) -> Self {
+        Lane::splat(self.simd, value)
     }
 }
 
@@ -97,6 +112,28 @@ pub(crate) fn sum<N: Number>((a, b): (N, N), (c, d): (N, N)) -> N {
 #[inline(always)]
 pub(crate) fn difference<N: Number>((a, b): (N, N), (c, d): (N, N)) -> N {
     a.times_plus(b, -(c * d))
+}
+
+/// The joints of up to four sets, a lane each; lanes beyond them are 0.
+#[inline(always)]
+pub(crate) fn side_by_side<S: Simd>(simd: S, joints: &[PendantJoints]) -> [Lane<S>; 6] {
+    let mut rows = [[0.0; LANES]; 6];
+    for (lane, joints) in joints.iter().enumerate().take(LANES) {
+        for (row, value) in rows.iter_mut().zip(joints.radians()) {
+            if let Some(cell) = row.get_mut(lane) {
+                *cell = value;
+            }
+        }
+    }
+    let [a, b, c, d, e, f] = rows;
+    [
+        Lane::simd_from(simd, a),
+        Lane::simd_from(simd, b),
+        Lane::simd_from(simd, c),
+        Lane::simd_from(simd, d),
+        Lane::simd_from(simd, e),
+        Lane::simd_from(simd, f),
+    ]
 }
 
 /// Rows become columns: what belongs to one lane, side by side.

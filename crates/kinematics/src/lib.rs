@@ -53,6 +53,7 @@ mod frames;
 mod geometry;
 mod ik_error;
 mod inverse;
+mod jacobian;
 mod joints;
 mod lanes;
 mod limits;

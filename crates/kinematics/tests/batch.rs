@@ -8,6 +8,7 @@ mod support;
 
 use std::num::NonZeroUsize;
 
+use kinematics::serial::SerialArm;
 use kinematics::{ArmModel, Axis, PendantJoints, Pose, Reach, ReachError};
 use support::{apart_but_for_turns, arm, assert_same_pose, builds, inside};
 
@@ -59,6 +60,60 @@ fn assert_batch_is_one_at_a_time(arm: &ArmModel) {
         }
     });
     assert_eq!(seen, poses.len());
+}
+
+#[test]
+fn poses_and_jacobians_of_a_batch_are_those_of_one_set_at_a_time() {
+    let part = |k: u32, i: u32| (f64::from(k) * 0.618_034 * f64::from(i)).fract();
+    for arm in builds() {
+        // One more than a whole number of groups, and one set many turns away.
+        let mut joints: Vec<_> = (1..=200)
+            .map(|k| inside(&arm, [1, 2, 3, 5, 7, 11].map(|i| part(k, i))))
+            .collect();
+        joints.push(PendantJoints::from_degrees([
+            1e8, 10.0, 20.0, 30.0, 40.0, 50.0,
+        ]));
+        let mut seen = 0;
+        arm.forward_batch(&joints, |index, pose| {
+            assert_eq!(index, seen);
+            seen += 1;
+            let wanted = arm.forward(joints.get(index).unwrap());
+            let (apart, turned) = pose.distance_to(&wanted);
+            assert!(apart.0 < 1e-11 && turned.0 < 1e-14, "{apart} {turned}");
+        });
+        assert_eq!(seen, joints.len());
+        seen = 0;
+        arm.jacobian_batch(&joints, |index, jacobian| {
+            assert_eq!(index, seen);
+            seen += 1;
+            let wanted = arm.jacobian(joints.get(index).unwrap());
+            assert!((jacobian - wanted).amax() < 1e-11);
+        });
+        assert_eq!(seen, joints.len());
+        arm.forward_batch(&[], |_, _| panic!("there is none"));
+    }
+}
+
+#[test]
+fn the_jacobian_is_that_of_the_arm_of_any_joints() {
+    let part = |k: u32, i: u32| (f64::from(k) * 0.618_034 * f64::from(i)).fract();
+    for name in ArmModel::builtin_names() {
+        let (closed, any) = (
+            ArmModel::builtin(name).unwrap(),
+            SerialArm::builtin(name).unwrap(),
+        );
+        for k in 1..100 {
+            let joints = inside(closed, [1, 2, 3, 5, 7, 11].map(|i| part(k, i)));
+            let wanted = any
+                .jacobian(&any.joints(&joints.degrees()).unwrap())
+                .unwrap();
+            let difference = wanted - closed.jacobian(&joints);
+            assert!(
+                difference.amax() < 1e-10,
+                "{name} at {joints}: {difference}"
+            );
+        }
+    }
 }
 
 #[test]
