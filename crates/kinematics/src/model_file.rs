@@ -3,10 +3,12 @@
 use serde::Deserialize;
 use units::{DegPerSec, DegPerSec2, Degrees, Millimeters, Radians};
 
+use crate::capsule::{CapsuleEntry, CapsuleError, expect_capsules};
 use crate::coupling::Coupling;
 use crate::dh::DhLink;
 use crate::geometry::{Geometry, NotCovered};
 use crate::joints::{Axis, PendantJoints};
+use crate::lanes::Level;
 use crate::limits::Limits;
 use crate::model::ArmModel;
 
@@ -95,6 +97,9 @@ pub enum ModelError {
         /// What it must be called.
         wanted: Axis,
     },
+    /// A capsule of the arm's shape that is none.
+    #[error(transparent)]
+    Capsule(#[from] CapsuleError),
     /// The name is empty.
     #[error("{key} is empty; it must be a text")]
     Empty {
@@ -125,6 +130,8 @@ struct ModelFile {
     manufacturer: String,
     no_flip_j5: Sign,
     joints: Vec<JointEntry>,
+    #[serde(default)]
+    capsules: Vec<CapsuleEntry>,
 }
 
 #[derive(Deserialize)]
@@ -218,6 +225,8 @@ pub(crate) fn read(text: &str) -> Result<ArmModel, ModelError> {
         max_accelerations: joints.map(|joint| joint.max_acceleration),
         home: PendantJoints::from_degrees(joints.map(|joint| joint.home)),
         shown_middles: shown_middles(&joints.map(|joint| joint.limits)),
+        level: Level::new(),
+        capsules: expect_capsules(&file.capsules, Axis::ALL.len())?,
     })
 }
 

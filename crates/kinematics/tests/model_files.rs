@@ -5,6 +5,7 @@ mod support;
 use std::error::Error;
 use std::fmt::Write;
 
+use kinematics::serial::SerialArm;
 use kinematics::{ArmModel, Axis, Seed};
 use proptest::prelude::*;
 use support::{apart_but_for_turns, arm, assert_same_pose, inside, joints};
@@ -47,6 +48,44 @@ fn every_built_in_model_is_valid() {
         assert_eq!(ArmModel::builtin(name).unwrap().name(), *name);
     }
     assert!(ArmModel::builtin("no-such-arm").is_none());
+}
+
+#[test]
+fn a_capsule_that_is_none_is_refused_by_number_and_item() {
+    let refused_by_both = |text: &str, wanted: &str| {
+        assert_eq!(refused(text), wanted);
+        let serial = SerialArm::from_toml(text).unwrap_err();
+        assert_eq!(serial.to_string(), wanted);
+    };
+    refused_by_both(
+        &with("radius_mm", 2, "0.0"),
+        "capsule 2: radius is 0; sizes are positive, coordinates within 100 m",
+    );
+    refused_by_both(
+        &with("radius_mm", 1, "nan"),
+        "capsule 1: radius is NaN; sizes are positive, coordinates within 100 m",
+    );
+    refused_by_both(
+        &with("from_mm", 4, "[0.0, -inf, 0.0]"),
+        "capsule 4: from is -inf; sizes are positive, coordinates within 100 m",
+    );
+    refused_by_both(
+        &with("to_mm", 3, "[0.0, 0.0, 2e5]"),
+        "capsule 3: to is 200000; sizes are positive, coordinates within 100 m",
+    );
+    refused_by_both(
+        &with("link", 8, "7"),
+        "capsule 8 is on link 7; links are 0 to 6",
+    );
+    let many = "[[capsules]]\nlink = 1\nfrom_mm = [0.0, 0.0, 0.0]\nto_mm = [0.0, 0.0, 0.0]\nradius_mm = 1.0\n";
+    refused_by_both(
+        &format!("{M20IA}\n{}", many.repeat(64)),
+        "72 capsules; an arm has at most 64",
+    );
+    assert!(refused(&with("from_mm", 1, "[0.0, 0.0]")).starts_with("reading the model file"));
+    assert_eq!(arm().capsules().len(), 8);
+    let serial = SerialArm::builtin("fanuc-m20ia").unwrap();
+    assert_eq!(serial.capsules(), arm().capsules());
 }
 
 #[test]

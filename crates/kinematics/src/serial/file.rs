@@ -6,6 +6,7 @@ use nalgebra::Isometry3;
 use serde::Deserialize;
 use units::{Degrees, Millimeters};
 
+use crate::capsule::{CapsuleEntry, CapsuleError, expect_capsules};
 use crate::pose::{Pose, PoseError};
 use crate::serial::arm::{JointKind, SerialArm, SerialJoint};
 use crate::wpr::Xyzwpr;
@@ -158,6 +159,9 @@ pub enum SerialModelError {
         /// Between them, in degrees.
         alpha_deg: f64,
     },
+    /// A capsule of the arm's shape that is none.
+    #[error(transparent)]
+    Capsule(#[from] CapsuleError),
     /// All lengths are zero: the flange never leaves the base's origin.
     #[error("all lengths of the table are 0; at least one link must have a length")]
     NoLength,
@@ -176,6 +180,8 @@ struct ArmFile {
     base: Option<FrameEntry>,
     flange: Option<FrameEntry>,
     joints: Vec<JointEntry>,
+    #[serde(default)]
+    capsules: Vec<CapsuleEntry>,
 }
 
 /// The two conventions of a Denavit-Hartenberg table.
@@ -282,7 +288,9 @@ pub(crate) fn read(text: &str) -> Result<SerialArm, SerialModelError> {
     }
     refuse_degenerate(&joints)?;
     let flange = frame("flange", file.flange.as_ref())?;
-    let arm = SerialArm::from_parts(file.name, file.manufacturer, joints, base, flange);
+    let capsules = expect_capsules(&file.capsules, joints.len())?;
+    let arm = SerialArm::from_parts(file.name, file.manufacturer, joints, base, flange)
+        .with_capsules(capsules);
     if arm.span <= ONE_LINE {
         return Err(SerialModelError::NoLength);
     }
