@@ -5,7 +5,6 @@ use super::{
     fault::Fault,
     task::Pending,
     tp_value::{Term, no_such},
-    tp_wait::LOOK,
 };
 use crate::{
     frame::Frame,
@@ -45,7 +44,7 @@ impl Exec<'_> {
         match self.host.motion_ended(id) {
             // It looks at the SKIP CONDITION again and again.
             Progress::Pending(_) if motion.skip.is_some() => {
-                Ok(Flow::Blocked(Wait::Until(self.host.now() + LOOK)))
+                Ok(Flow::Blocked(Wait::Until(self.next_look())))
             }
             Progress::Pending(wait) => Ok(Flow::Blocked(wait)),
             Progress::Ready(status) if status.is_ok() => {

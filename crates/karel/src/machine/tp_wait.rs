@@ -17,10 +17,8 @@ use crate::{
     value::Value,
 };
 
-/// How often a WAIT, a SKIP CONDITION and a MONITOR look.
-///
-/// ASSUMPTION: one interpolation period.
-pub(super) const LOOK: Duration = Duration::from_millis(8);
+/// How often a WAIT, a SKIP CONDITION and a MONITOR look at a host without interpolation.
+const LOOK: Duration = Duration::from_millis(8);
 
 /// Most programs of conditions that a task looks at.
 ///
@@ -28,6 +26,14 @@ pub(super) const LOOK: Duration = Duration::from_millis(8);
 const MOST_MONITORS: usize = 10;
 
 impl Exec<'_> {
+    /// When a WAIT, a SKIP CONDITION or a MONITOR looks again.
+    ///
+    /// ASSUMPTION: after one interpolation period.
+    pub(super) fn next_look(&self) -> Duration {
+        let period = self.host.interpolation_period();
+        self.host.now() + if period.is_zero() { LOOK } else { period }
+    }
+
     /// ASSUMPTION: `$WAITTMOUT` is in hundredths of a second, 30 s if this controller has none.
     pub(super) fn tp_wait_for(
         &mut self,
@@ -38,7 +44,7 @@ impl Exec<'_> {
             self.task.pending = Pending::None;
             return Ok(Flow::Next);
         }
-        let look = self.host.now() + LOOK;
+        let look = self.next_look();
         let Some(label) = timeout else {
             return Ok(Flow::Blocked(Wait::Until(look)));
         };
@@ -170,6 +176,7 @@ impl Exec<'_> {
         if self.task.paused {
             return Ok(());
         }
+        let next = self.next_look();
         for at in 0..self.task.tp.monitors.len() {
             let Some(monitor) = self.task.tp.monitors.get_mut(at) else {
                 break;
@@ -177,7 +184,7 @@ impl Exec<'_> {
             if monitor.next > now {
                 continue;
             }
-            monitor.next = now + LOOK;
+            monitor.next = next;
             let program = monitor.program;
             let programs = self.programs;
             let lines = programs.get(program).map(|loaded| &loaded.program.code.tp);
