@@ -38,10 +38,10 @@ impl Exec<'_> {
         }
         let mut used = 0_u32;
         loop {
-            let looked = if self.task.handlers.is_empty() && self.task.tp.monitors.is_empty() {
-                Ok(())
-            } else {
+            let looked = if self.task.looks() {
                 self.look()
+            } else {
+                Ok(())
             };
             // Conditions cost what they cost, but the task itself always gets on.
             used = used
@@ -135,6 +135,9 @@ impl Exec<'_> {
         }
         if self.task.triggered.is_empty() {
             self.look_at_monitors(now)?;
+        }
+        if self.task.triggered.is_empty() && !self.task.paused {
+            self.look_beside(now)?;
         }
         match self.task.triggered.pop_front() {
             Some((program, routine)) => self.interrupt(program, routine),

@@ -3,7 +3,7 @@
 use super::{
     exec::{Exec, Flow},
     fault::Fault,
-    task::Pending,
+    task::{Pending, Watch},
     tp_value::{Term, no_such},
 };
 use crate::{
@@ -23,9 +23,14 @@ impl Exec<'_> {
             id
         } else {
             let request = self.tp_request(motion)?;
+            let beside = motion.beside.is_some().then(|| request.clone());
             match self.host.start_tp_motion(self.id, request, self.registers) {
                 Progress::Pending(wait) => return Ok(Flow::Blocked(wait)),
-                Progress::Ready(Ok(id)) => id,
+                Progress::Ready(Ok(id)) => {
+                    self.tp_forget(Watch::Skip);
+                    self.tp_begin_beside(motion, id, beside.as_ref())?;
+                    id
+                }
                 Progress::Ready(Err(status)) => {
                     return Err(Fault::from_host(status, "The motion was refused"));
                 }
@@ -52,8 +57,8 @@ impl Exec<'_> {
                 self.task.pending = Pending::None;
                 let rounds = motion.rounding.is_some() && !skipped;
                 self.task.tp.rounding = rounds.then_some(id);
-                match motion.skip {
-                    Some(label) if !skipped => Ok(self.jump(label)),
+                match &motion.skip {
+                    Some(label) if skipped == motion.skip_jumps => self.tp_goto(label),
                     Some(_) | None => Ok(Flow::Next),
                 }
             }
@@ -97,7 +102,7 @@ impl Exec<'_> {
             let message = "Skip without a SKIP CONDITION";
             return Err(Fault::new(Status::INTP_UNINIT, message));
         };
-        self.tp_holds(&condition)
+        self.tp_sees(Watch::Skip, &condition)
     }
 
     fn tp_request(&mut self, motion: &Motion) -> Result<TpMotion, Fault> {
@@ -180,7 +185,8 @@ impl Exec<'_> {
                 let changed = self.teaching.changed(self.program.name(), n);
                 let taught = changed.or_else(|| positions.get(&n).map(AsRef::as_ref));
                 let Some(taught) = taught else {
-                    return Err(no_such("P", n, Status::VARS_INDEX));
+                    let message = format!("P[{n}] has no value");
+                    return Err(Fault::new(Status::INTP_UNINIT, message));
                 };
                 self.check_frames(taught)?;
                 Ok(taught.target.clone())

@@ -5,7 +5,7 @@ use std::time::Duration;
 use super::{
     exec::{Exec, Flow},
     fault::Fault,
-    task::{Monitor, Pending},
+    task::{Monitor, Pending, Watch},
     tp_value::no_such,
 };
 use crate::{
@@ -13,7 +13,7 @@ use crate::{
     port::{Port, PortValue},
     status::Status,
     syspath::SysPath,
-    tp::{Expr, Index, Instruction, Operand, TimerAction},
+    tp::{Expr, Goal, Index, Instruction, Operand, TimerAction},
     value::Value,
 };
 
@@ -38,9 +38,10 @@ impl Exec<'_> {
     pub(super) fn tp_wait_for(
         &mut self,
         condition: &Expr,
-        timeout: Option<u32>,
+        timeout: Option<&Goal>,
     ) -> Result<Flow, Fault> {
-        if self.tp_holds(condition)? {
+        if self.tp_sees(Watch::Line, condition)? {
+            self.tp_forget(Watch::Line);
             self.task.pending = Pending::None;
             return Ok(Flow::Next);
         }
@@ -59,8 +60,9 @@ impl Exec<'_> {
             self.host.now() + Duration::from_millis(hundredths * 10)
         };
         if self.host.now() >= until {
+            self.tp_forget(Watch::Line);
             self.task.pending = Pending::None;
-            return Ok(self.jump(label));
+            return self.tp_goto(label);
         }
         self.task.pending = Pending::Deadline(until);
         Ok(Flow::Blocked(Wait::Until(look.min(until))))
@@ -159,6 +161,7 @@ impl Exec<'_> {
             let message = format!("There is no program {name}");
             return Err(Fault::new(Status::INTP_CALL_FAILED, message));
         };
+        self.tp_forget(Watch::Monitor(program));
         let next = self.host.now();
         let monitors = &mut self.task.tp.monitors;
         monitors.retain(|monitor| monitor.program != program);
@@ -193,7 +196,7 @@ impl Exec<'_> {
                 let Instruction::When(condition, call) = line else {
                     continue;
                 };
-                if !self.tp_holds(condition)? {
+                if !self.tp_sees(Watch::Monitor(program), condition)? {
                     continue;
                 }
                 let mut programs = programs.iter();
