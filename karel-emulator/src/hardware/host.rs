@@ -24,6 +24,10 @@ impl Host for Hardware {
         self.interpolation_period.duration()
     }
 
+    fn reset(&mut self) -> bool {
+        self.reset_alarms()
+    }
+
     fn explain(&mut self, _task: TaskId, place: (&str, u32), why: &dyn Fn() -> String) {
         if self.is_kind() {
             self.note(Some(place), why());

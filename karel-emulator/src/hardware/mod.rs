@@ -21,7 +21,7 @@ use std::time::Duration;
 
 use karel::{AlarmSeverity, FileId, MotionId, ProgramAlarm, RuntimeError, Status, TaskId, Wait};
 
-use crate::alarms::{Alarm, AlarmLog, Severity};
+use crate::alarms::{Alarm, AlarmLog, Severity, meaning};
 use crate::config::{ControllerConfig, Hosts, InterpolationPeriod, ScreenSink};
 use crate::controller::CmosMemory;
 use crate::devices::Devices;
@@ -304,7 +304,11 @@ impl Hardware {
             AlarmSeverity::Abort => Severity::Abort,
         };
         let place = Some((&alarm.program, alarm.line));
-        self.post_at(alarm.status, alarm.text.clone(), severity, place);
+        let text = match alarm.text.as_str() {
+            "" => meaning(alarm.status).to_owned(),
+            text => text.to_owned(),
+        };
+        self.post_at(alarm.status, text, severity, place);
         match alarm.severity {
             AlarmSeverity::Warn => {}
             AlarmSeverity::Pause => self.hold_arm(false),
