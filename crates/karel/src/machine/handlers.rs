@@ -39,10 +39,10 @@ impl Exec<'_> {
         }
         let mut used = 0_u32;
         loop {
-            let looked = if self.task.handlers.is_empty() && self.task.tp.monitors.is_empty() {
-                Ok(())
-            } else {
+            let looked = if self.task.looks() {
                 self.look()
+            } else {
+                Ok(())
             };
             used = used.saturating_add(std::mem::take(&mut self.looked));
             if let Err(fault) = looked {
@@ -140,6 +140,9 @@ impl Exec<'_> {
         }
         if self.task.triggered.is_empty() {
             self.look_at_monitors(now)?;
+        }
+        if self.task.triggered.is_empty() && !self.task.paused {
+            self.look_beside(now)?;
         }
         match self.task.triggered.pop_front() {
             Some((program, routine)) => self.interrupt(program, routine),
