@@ -253,7 +253,12 @@ impl Controller {
             Phase::Waiting(_) | Phase::Over => None,
             Phase::Resting => Some(task.period.saturating_add(SHARE_PERIOD)),
         });
-        let looks = self.tasks.iter().filter_map(|task| task.look);
+        // Who rests looks when it goes on: counted here, a look in the past would keep time from passing.
+        let waiting = self
+            .tasks
+            .iter()
+            .filter(|task| matches!(task.phase, Phase::Waiting(_)));
+        let looks = waiting.filter_map(|task| task.look);
         tasks
             .chain(looks)
             .chain(self.machine.next_due())

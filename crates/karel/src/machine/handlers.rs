@@ -31,7 +31,7 @@ const MAX_STEPS: u32 = 100_000;
 const MAX_ALARMS: i32 = 32;
 
 impl Exec<'_> {
-    /// Executes at most `fuel` instructions, with condition handlers.
+    /// Executes at most `fuel` instructions, with condition handlers. What they cost may go beyond it.
     pub(super) fn slice(&mut self, fuel: u32) -> (Stop, u32) {
         if fuel == 0 {
             return (Stop::OutOfFuel, 0);
@@ -43,10 +43,8 @@ impl Exec<'_> {
             } else {
                 self.look()
             };
-            // Conditions cost what they cost, but the task itself always gets on.
-            used = used
-                .saturating_add(std::mem::take(&mut self.looked))
-                .min(fuel - 1);
+            // Conditions cost what they cost, however the fuel is cut, but the task itself always gets on.
+            used = used.saturating_add(std::mem::take(&mut self.looked));
             if let Err(fault) = looked
                 && let Some(stop) = self.fail(fault)
             {
@@ -60,8 +58,8 @@ impl Exec<'_> {
                     return (Stop::Blocked(Wait::Continue), used);
                 }
             }
-            let (stop, more) = self.run(fuel - used);
-            used += more;
+            let (stop, more) = self.run(fuel.saturating_sub(used).max(1));
+            used = used.saturating_add(more);
             match stop {
                 Stop::Failed(fault) => {
                     if let Some(stop) = self.fail(fault) {
@@ -100,6 +98,8 @@ impl Exec<'_> {
     fn fail(&mut self, fault: Fault) -> Option<Stop> {
         let error = runtime_error(fault, self.task, self.programs);
         self.host.post_alarm(self.id, &error);
+        // Of a motion that is over by now, they do not see it any more.
+        self.drop_local_ones();
         if self.task.sees_its_end() {
             self.task.ending = Ending::Failed(Box::new(error));
             self.task.scan_now = true;
