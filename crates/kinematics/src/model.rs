@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use units::{DegPerSec, DegPerSec2, Degrees, Millimeters};
+use units::{DegPerSec, DegPerSec2, DegPerSec3, Degrees, Millimeters};
 
 use crate::branches::{Branches, Solution};
 use crate::capsule::Capsule;
@@ -45,6 +45,7 @@ pub struct ArmModel {
     pub(crate) limits: [Limits; 6],
     pub(crate) max_speeds: [DegPerSec; 6],
     pub(crate) max_accelerations: [DegPerSec2; 6],
+    pub(crate) max_jerks: [DegPerSec3; 6],
     pub(crate) home: PendantJoints,
     /// The angles, in radians, about which a solution's joints are shown.
     pub(crate) shown_middles: [f64; 6],
@@ -126,6 +127,12 @@ impl ArmModel {
     #[must_use]
     pub fn max_acceleration(&self, axis: Axis) -> DegPerSec2 {
         axis.of(&self.max_accelerations)
+    }
+
+    /// The highest jerk of an axis: how fast its acceleration may change.
+    #[must_use]
+    pub fn max_jerk(&self, axis: Axis) -> DegPerSec3 {
+        axis.of(&self.max_jerks)
     }
 
     /// Where the arm stands when a cell starts.

@@ -1,7 +1,7 @@
 //! Reading and checking model files.
 
 use serde::Deserialize;
-use units::{DegPerSec, DegPerSec2, Degrees, Millimeters, Radians};
+use units::{DegPerSec, DegPerSec2, DegPerSec3, Degrees, Millimeters, Radians};
 
 use crate::capsule::{CapsuleEntry, CapsuleError, expect_capsules};
 use crate::coupling::Coupling;
@@ -9,7 +9,7 @@ use crate::dh::DhLink;
 use crate::geometry::{Geometry, NotCovered};
 use crate::joints::{Axis, PendantJoints};
 use crate::lanes::Level;
-use crate::limits::Limits;
+use crate::limits::{JERK_PER_ACCELERATION, Limits};
 use crate::model::ArmModel;
 
 /// No link of an arm is longer.
@@ -156,6 +156,7 @@ struct JointEntry {
     max_deg: f64,
     max_speed_deg_s: f64,
     max_acceleration_deg_s2: f64,
+    max_jerk_deg_s3: Option<f64>,
     home_deg: f64,
 }
 
@@ -169,6 +170,7 @@ struct Joint {
     limits: Limits,
     max_speed: DegPerSec,
     max_acceleration: DegPerSec2,
+    max_jerk: DegPerSec3,
     home: f64,
 }
 
@@ -223,6 +225,7 @@ pub(crate) fn read(text: &str) -> Result<ArmModel, ModelError> {
         limits: joints.map(|joint| joint.limits),
         max_speeds: joints.map(|joint| joint.max_speed),
         max_accelerations: joints.map(|joint| joint.max_acceleration),
+        max_jerks: joints.map(|joint| joint.max_jerk),
         home: PendantJoints::from_degrees(joints.map(|joint| joint.home)),
         shown_middles: shown_middles(&joints.map(|joint| joint.limits)),
         level: Level::new(),
@@ -299,6 +302,11 @@ fn check(axis: Axis, entry: &JointEntry) -> Result<Joint, ModelError> {
     } else {
         (&[0], "0: only J3 is coupled")
     };
+    let acceleration = positive(
+        "max_acceleration_deg_s2",
+        entry.max_acceleration_deg_s2,
+        10.0 * MAX_SPEED_DEG_S,
+    )?;
     Ok(Joint {
         link: DhLink {
             d: Millimeters(length("d_mm", entry.d_mm)?),
@@ -314,10 +322,13 @@ fn check(axis: Axis, entry: &JointEntry) -> Result<Joint, ModelError> {
             entry.max_speed_deg_s,
             MAX_SPEED_DEG_S,
         )?),
-        max_acceleration: DegPerSec2(positive(
-            "max_acceleration_deg_s2",
-            entry.max_acceleration_deg_s2,
-            10.0 * MAX_SPEED_DEG_S,
+        max_acceleration: DegPerSec2(acceleration),
+        max_jerk: DegPerSec3(positive(
+            "max_jerk_deg_s3",
+            entry
+                .max_jerk_deg_s3
+                .unwrap_or(JERK_PER_ACCELERATION * acceleration),
+            1000.0 * MAX_SPEED_DEG_S,
         )?),
         home,
     })

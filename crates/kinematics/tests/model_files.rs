@@ -9,7 +9,7 @@ use kinematics::serial::SerialArm;
 use kinematics::{ArmModel, Axis, Seed};
 use proptest::prelude::*;
 use support::{apart_but_for_turns, arm, assert_same_pose, inside, joints};
-use units::{DegPerSec, Degrees};
+use units::{DegPerSec, DegPerSec3, Degrees};
 
 const M20IA: &str = include_str!("../models/fanuc_m20ia.toml");
 
@@ -93,6 +93,15 @@ fn the_m20ia_is_as_its_sources_say() {
     assert_eq!(arm().manufacturer(), "FANUC");
     assert_eq!(arm().limits(Axis::J3).max, Degrees(200.0));
     assert_eq!(arm().max_speed(Axis::J6), DegPerSec(550.0));
+    // Not in the file: ten times the acceleration. In it: what it says.
+    assert_eq!(arm().max_jerk(Axis::J1), DegPerSec3(3900.0));
+    let given = with(
+        "max_acceleration_deg_s2",
+        1,
+        "390.0\nmax_jerk_deg_s3 = 1234.0",
+    );
+    let given = ArmModel::from_toml(&given).unwrap();
+    assert_eq!(given.max_jerk(Axis::J1), DegPerSec3(1234.0));
     assert_eq!(arm().home(), joints([0.0, 0.0, 0.0, 0.0, -90.0, 0.0]));
     assert!((arm().dh()[1].a.0 - 790.0).abs() < 1e-12);
 }
@@ -122,6 +131,10 @@ fn a_file_that_is_wrong_is_refused_by_key_and_value() {
             "J3: j2_coupling is 5; it must be -1, 0 or 1",
         ),
         (with("name", 1, "\" \""), "name is empty; it must be a text"),
+        (
+            with("max_acceleration_deg_s2", 6, "1.0\nmax_jerk_deg_s3 = -1.0"),
+            "J6: max_jerk_deg_s3 is -1; it must be above 0 and not above 10000000",
+        ),
         (
             with("max_speed_deg_s", 6, "0.0"),
             "J6: max_speed_deg_s is 0; it must be above 0 and not above 10000",

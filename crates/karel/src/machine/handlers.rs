@@ -105,6 +105,8 @@ impl Exec<'_> {
     fn fail(&mut self, fault: Fault) -> Option<Stop> {
         let error = runtime_error(fault, self.task, self.programs);
         self.host.post_alarm(self.id, &error);
+        // Of a motion that is over by now, they do not see it any more.
+        self.drop_local_ones();
         if self.task.sees_its_end() {
             self.task.ending = Ending::Failed(Box::new(error));
             self.task.scan_now = true;

@@ -175,7 +175,8 @@ impl Machine {
         self.tasks.start(&self.programs, &self.limits, program)
     }
 
-    /// Executes a task until it waits, ends, or has used up `fuel` instructions.
+    /// Executes a task until it waits, ends, or has used up `fuel` instructions. The conditions that are looked at in
+    /// between are counted too, and may go beyond that: cut into smaller slices, a task uses the same in all.
     ///
     /// A task that ended, or that does not exist, reports its end and uses nothing.
     pub fn run(&mut self, id: TaskId, fuel: u32, host: &mut dyn Host) -> Slice {

@@ -90,6 +90,8 @@ pub struct SerialJoint {
     pub max_speed: f64,
     /// The highest acceleration.
     pub max_acceleration: f64,
+    /// The highest jerk.
+    pub max_jerk: f64,
     /// Where the joint stands at home.
     pub home: f64,
 }

@@ -7,6 +7,7 @@ use serde::Deserialize;
 use units::{Degrees, Millimeters};
 
 use crate::capsule::{CapsuleEntry, CapsuleError, expect_capsules};
+use crate::limits::JERK_PER_ACCELERATION;
 use crate::pose::{Pose, PoseError};
 use crate::serial::arm::{JointKind, SerialArm, SerialJoint};
 use crate::wpr::Xyzwpr;
@@ -247,6 +248,8 @@ struct JointEntry {
     max_speed_mm_s: Option<f64>,
     max_acceleration_deg_s2: Option<f64>,
     max_acceleration_mm_s2: Option<f64>,
+    max_jerk_deg_s3: Option<f64>,
+    max_jerk_mm_s3: Option<f64>,
     home_deg: Option<f64>,
     home_mm: Option<f64>,
 }
@@ -410,6 +413,10 @@ fn check(entry: &JointEntry, before: &[SerialJoint]) -> Result<SerialJoint, Seri
         ["max_acceleration_deg_s2", "max_acceleration_mm_s2"],
         [entry.max_acceleration_deg_s2, entry.max_acceleration_mm_s2],
     )?;
+    let jerk = match (entry.max_jerk_deg_s3, entry.max_jerk_mm_s3) {
+        (None, None) => JERK_PER_ACCELERATION * acceleration,
+        given => keys.rate(["max_jerk_deg_s3", "max_jerk_mm_s3"], given.into())?,
+    };
     if entry.sign != 1 && entry.sign != -1 {
         return Err(SerialModelError::Sign {
             joint: entry.axis.clone(),
@@ -430,6 +437,7 @@ fn check(entry: &JointEntry, before: &[SerialJoint]) -> Result<SerialJoint, Seri
         max: kind.inside(max),
         max_speed: kind.inside(speed),
         max_acceleration: kind.inside(acceleration),
+        max_jerk: kind.inside(jerk),
         home: kind.inside(home),
     })
 }
