@@ -1,7 +1,8 @@
 //! The tool along a path.
 
+use api::arms::ArmOutside;
 use api::trajectory::{ToolPathBody, ToolPathFailure, ToolPathKind, ToolPathResult};
-use kinematics::{ArmModel, Axis, IkError, Pose, Seed};
+use kinematics::{ArmModel, Axis, IkError, LimitViolations, Pose, Seed};
 use planning::State;
 use planning::cartesian::{Extent, PathError, Sample, ToolError, ToolLimits, ToolMove, ToolPath};
 use planning::jerk::MotionLimits;
@@ -249,6 +250,22 @@ fn failure(error: &ToolError) -> Result<ToolPathFailure, Refusal> {
             ),
             outside: Vec::new(),
         }),
+        // With the wrist on its own way, which no question asks for.
+        ToolError::Wrist { parameter } => Ok(ToolPathFailure {
+            parameter: shown(*parameter),
+            pose: None,
+            reason: error.to_string(),
+            outside: Vec::new(),
+        }),
+        ToolError::WristLimits {
+            parameter,
+            violations,
+        } => Ok(ToolPathFailure {
+            parameter: shown(*parameter),
+            pose: None,
+            reason: error.to_string(),
+            outside: outside(violations),
+        }),
         ToolError::TooSlow {
             joint,
             parameter,
@@ -279,15 +296,7 @@ fn failure(error: &ToolError) -> Result<ToolPathFailure, Refusal> {
 
 fn unreachable(parameter: f64, pose: Option<&Pose>, error: &IkError) -> ToolPathFailure {
     let outside = match error {
-        IkError::JointLimit { violations, .. } => violations
-            .iter()
-            .map(|violation| api::arms::ArmOutside {
-                joint: violation.joint.to_string(),
-                value_deg_mm: shown(violation.value.0),
-                min_deg_mm: violation.limits.min.0,
-                max_deg_mm: violation.limits.max.0,
-            })
-            .collect(),
+        IkError::JointLimit { violations, .. } => outside(violations),
         IkError::OutOfReach { .. }
         | IkError::NoSolutionInConfiguration { .. }
         | IkError::NotFinite(_) => Vec::new(),
@@ -298,4 +307,16 @@ fn unreachable(parameter: f64, pose: Option<&Pose>, error: &IkError) -> ToolPath
         reason: error.to_string(),
         outside,
     }
+}
+
+fn outside(violations: &LimitViolations) -> Vec<ArmOutside> {
+    violations
+        .iter()
+        .map(|violation| ArmOutside {
+            joint: violation.joint.to_string(),
+            value_deg_mm: shown(violation.value.0),
+            min_deg_mm: violation.limits.min.0,
+            max_deg_mm: violation.limits.max.0,
+        })
+        .collect()
 }
