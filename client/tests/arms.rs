@@ -274,7 +274,7 @@ fn bad_questions_name_item_value_and_limit() -> Result<()> {
         (
             "arm reach fanuc-m20ia --plane XY --u 0,1e6 --v 0,1e6 --step 1",
             1,
-            "250000",
+            "249999",
         ),
         ("arm transfer scara --from 0,0,0,0 --to 1,1,1,1", 1, "scara"),
         (

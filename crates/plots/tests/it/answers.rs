@@ -1,5 +1,10 @@
 //! The answers of the API as they are drawn: the numbers come from the real functions.
 
+#![expect(
+    clippy::unwrap_used,
+    reason = "an answer that does not come is a test that fails"
+)]
+
 use api::arms::{
     ArmForwardBody, ArmFrames, ArmJacobianBody, ArmObstacle, ArmTransferBody,
     ArmVelocityMotionBody, ReachBody, ReachGrid, ReachPlane,
