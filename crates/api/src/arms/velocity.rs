@@ -103,7 +103,7 @@ pub struct ArmRatesResult {
 /// A motion of the tool with a constant velocity. Exactly one of `velocity_mm_s` and `along_tool_mm_s` is given.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize, ToSchema)]
 #[serde(deny_unknown_fields)]
-#[schema(example = json!({"start_deg_mm": [0, 45, -60, 0, 30], "velocity_mm_s": [-30, 5, -2], "time_s": 2}))]
+#[schema(example = json!({"start_deg_mm": [0, 0, 0, 0, -90, 0], "velocity_mm_s": [0, 50, -20], "time_s": 2, "steps": 20}))]
 pub struct ArmVelocityMotionBody {
     /// The joints at the start, base first.
     pub start_deg_mm: Vec<f64>,
@@ -174,6 +174,11 @@ pub enum ArmMotionEnd {
 /// Taught postures out of which a tool is computed.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize, ToSchema)]
 #[serde(deny_unknown_fields)]
+#[schema(example = json!({"tip": [
+    {"flange": {"x_mm": 490, "y_mm": 0, "z_mm": 200, "w_deg": 0, "p_deg": 0, "r_deg": 0}},
+    {"flange": {"x_mm": 490, "y_mm": 0, "z_mm": 400, "w_deg": 180, "p_deg": 0, "r_deg": 0}},
+    {"flange": {"x_mm": 400, "y_mm": 0, "z_mm": 310, "w_deg": 0, "p_deg": 90, "r_deg": 0}}
+]}))]
 pub struct ArmCalibrationBody {
     /// Three or more, at most 1000, with the tool's tip at one place, the flange turned between them.
     pub tip: Vec<ArmCalibrationPoint>,
