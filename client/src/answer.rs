@@ -10,8 +10,12 @@ use serde::de::DeserializeOwned;
 use crate::ClientError;
 use crate::http::{Effect, REQUEST_ID};
 
-/// The largest body this client reads, in bytes. A larger one is a [`ClientError::Protocol`].
-pub const MAX_ANSWER_BYTES: usize = 4 * 1024 * 1024;
+/// The largest body this client reads, in bytes, but for answers that take long to compute. A larger one is a
+/// [`ClientError::Protocol`].
+pub const MAX_ANSWER_BYTES: usize = 1024 * 1024;
+
+/// The same for what is computed at length and answered in full: samples of a trajectory, counts of a grid.
+const MAX_LONG_ANSWER_BYTES: usize = 32 * 1024 * 1024;
 
 const EXCERPT_CHARS: usize = 200;
 
@@ -25,6 +29,14 @@ pub(crate) struct Call {
 }
 
 impl Call {
+    /// The largest body that is read.
+    fn largest(&self) -> usize {
+        match self.effect {
+            Effect::Question | Effect::Command(_) => MAX_ANSWER_BYTES,
+            Effect::LongQuestion(_) => MAX_LONG_ANSWER_BYTES,
+        }
+    }
+
     /// What is known of the effect when the request may have been sent and no answer tells.
     fn outcome_in_doubt(&self) -> Outcome {
         match self.effect {
@@ -83,7 +95,7 @@ pub(crate) struct Answer {
 }
 
 impl Answer {
-    /// Reads the body, at most [`MAX_ANSWER_BYTES`] of it.
+    /// Reads the body, at most as much of it as such an answer may have.
     pub(crate) async fn read(call: Call, mut response: Response) -> Result<Self, ClientError> {
         let answers = response.headers().get(REQUEST_ID).cloned();
         let mut answer = Self {
@@ -93,15 +105,14 @@ impl Answer {
             call,
             body: Vec::new(),
         };
+        let largest = answer.call.largest();
         loop {
             match response.chunk().await {
-                Ok(Some(chunk)) if answer.body.len() + chunk.len() <= MAX_ANSWER_BYTES => {
+                Ok(Some(chunk)) if answer.body.len() + chunk.len() <= largest => {
                     answer.body.extend_from_slice(&chunk);
                 }
                 Ok(Some(_)) => {
-                    return Err(
-                        answer.strange(format!("a body of more than {MAX_ANSWER_BYTES} bytes"))
-                    );
+                    return Err(answer.strange(format!("a body of more than {largest} bytes")));
                 }
                 Ok(None) => break,
                 Err(error) => return Err(answer.call.broken(error)),

@@ -8,6 +8,7 @@
 //! Client ──── cells, version, health, metrics, the thesis's own routes
 //!   ├─ Control ── who may move the robots of a cell: take it, keep it, give it back
 //!   ├─ CellSetup ── export, import, check, parts, teach, calibrate
+//!   ├─ Arms ── arm models, trajectories, routes: nothing of a cell
 //!   ├─ Robot ── description, state, forward, inverse, motions
 //!   ├─ Jobs ── jobs, sessions, loads, the cell's state
 //!   └─ MobileRobotClient ── state, signals, outbox
@@ -72,7 +73,8 @@ pub use http::Timeouts;
 pub use jobs::Jobs;
 pub use mobile::{MobileRobotClient, SignalGap};
 pub use panel::{
-    Alarm, EmulatorJoints, EmulatorState, JointLimit, LedgerEntry, LedgerEvent, Log, Tag, Task,
+    Alarm, EmulatorJoints, EmulatorState, JointLimit, LedgerEntry, LedgerEvent, Log, Note, Notes,
+    Tag, Task,
 };
 pub use robot::{Ask, Page, Robot};
 pub use server::Client;

@@ -8,6 +8,7 @@ mod failures;
 mod fidelity;
 mod fuzz;
 mod openapi;
+mod plots;
 mod python;
 
 use anyhow::Result;
@@ -48,6 +49,8 @@ enum Task {
     },
     /// Write openapi.yaml from the server's routes.
     Openapi,
+    /// Draw the pictures of docs/robotics.md by the commands in it.
+    Plots,
     /// Write docs/failures.md from docs/failures.toml and the tests.
     Failures,
     /// Write docs/fidelity.md from docs/fidelity.toml and the source.
@@ -72,6 +75,7 @@ fn main() -> Result<()> {
         Task::Ci => ci::all(),
         Task::Conformance { sources, args } => conformance::run(&sources, &args),
         Task::Openapi => openapi::write(),
+        Task::Plots => plots::draw(),
         Task::Failures => failures::write(),
         Task::Fidelity => fidelity::write(),
         Task::Fuzz(options) => fuzz::run(&options),

@@ -7,7 +7,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::{
     audit, cell, control, delta, doubts, emulator, fk, home, ik, interventions, job, journal,
-    loads, mobile_robot, motions, move_to, speed_override, stop, teach, tokens, watch,
+    loads, mobile_robot, motions, move_to, questions, speed_override, stop, teach, tokens, watch,
 };
 
 /// Drive a robot cell: move, look, calculate.
@@ -42,15 +42,9 @@ the problem, or what went wrong.";
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Options of every subcommand")]
 pub(crate) struct Global {
-    /// The server.
-    #[arg(
-        long,
-        global = true,
-        env = "ROBOCELL_SERVER",
-        default_value = "http://127.0.0.1:8080",
-        value_name = "URL"
-    )]
-    pub(crate) server: String,
+    /// The server; `http://127.0.0.1:8080` where nobody says. `arm`, `plan` and `route` answer by themselves unless it is said.
+    #[arg(long, global = true, env = "ROBOCELL_SERVER", value_name = "URL")]
+    pub(crate) server: Option<String>,
     /// The cell; not needed where there is exactly one.
     #[arg(long, global = true, env = "ROBOCELL_CELL", value_name = "ID", value_parser = NonEmptyStringValueParser::new())]
     pub(crate) cell: Option<String>,
@@ -115,6 +109,9 @@ pub(crate) enum Command {
     Watch(watch::WatchArgs),
     Journal(journal::JournalArgs),
     Emulator(emulator::EmulatorArgs),
+    Arm(questions::ArmArgs),
+    Plan(questions::PlanArgs),
+    Route(questions::RouteArgs),
 }
 
 #[cfg(test)]

@@ -18,21 +18,29 @@ use crate::report::{Exit, Report};
 pub(crate) struct Context {
     /// All requests of one run of `cellctl` carry one request id.
     pub(crate) client: Client,
+    server: String,
     global: Global,
 }
+
+/// Where the server of a demo listens.
+const USUAL_SERVER: &str = "http://127.0.0.1:8080";
 
 impl Context {
     /// With the token there is for the server, where one is wanted.
     pub(crate) fn new(global: Global, wants_token: bool) -> Result<Self, Failure> {
-        let mut client = Client::with_timeouts(&global.server, timeouts(&global))?
+        let server = global.server.as_deref().unwrap_or(USUAL_SERVER).to_owned();
+        let mut client = Client::with_timeouts(&server, timeouts(&global))?
             .with_request_id(&Uuid::now_v7().to_string())?;
         if wants_token
-            && let Some(token) =
-                credentials::token_for(&global.server, global.token_file.as_deref())?
+            && let Some(token) = credentials::token_for(&server, global.token_file.as_deref())?
         {
             client = client.with_token(&token)?;
         }
-        Ok(Self { client, global })
+        Ok(Self {
+            client,
+            server,
+            global,
+        })
     }
 
     /// The panel of the virtual controller.
@@ -80,7 +88,12 @@ impl Context {
 
     /// The server's address, as it was given.
     pub(crate) fn server(&self) -> &str {
-        &self.global.server
+        &self.server
+    }
+
+    /// Whether somebody said which server.
+    pub(crate) fn names_a_server(&self) -> bool {
+        self.global.server.is_some()
     }
 
     pub(crate) fn token_file(&self) -> Option<&Path> {

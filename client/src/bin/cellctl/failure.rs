@@ -21,6 +21,12 @@ pub(crate) enum Failure {
     /// The command line asks for what cannot be.
     #[error("{0}")]
     Usage(String),
+    /// A question about an arm or a route that has no answer.
+    #[error(transparent)]
+    Refusal(#[from] robotics::Refusal),
+    /// What was asked for cannot be drawn.
+    #[error("the drawing: {0}")]
+    Plot(#[from] plots::PlotError),
     /// A relative move without a place to count from.
     #[error(
         "the server knows no accepted target to count from: none yet, or a motion in doubt since"
@@ -40,6 +46,8 @@ struct Document {
     title: String,
     detail: String,
     outcome: Outcome,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    violations: Vec<Violation>,
     #[serde(skip_serializing_if = "Option::is_none")]
     status: Option<u16>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -60,6 +68,8 @@ impl Failure {
             }
             Self::Which { .. }
             | Self::Usage(_)
+            | Self::Refusal(_)
+            | Self::Plot(_)
             | Self::NoAcceptedTarget
             | Self::ControlLost(_)
             | Self::NotStill { .. } => Report::json(exit, &self.document(None, None)),
@@ -70,7 +80,9 @@ impl Failure {
         match self {
             Self::Client(error) => exit_of(error),
             Self::Which { .. } | Self::Usage(_) => Exit::Usage,
-            Self::NoAcceptedTarget | Self::ControlLost(_) => Exit::Refused,
+            Self::NoAcceptedTarget | Self::ControlLost(_) | Self::Refusal(_) | Self::Plot(_) => {
+                Exit::Refused
+            }
             Self::NotStill { .. } => Exit::Link,
         }
     }
@@ -79,7 +91,9 @@ impl Failure {
         match self {
             Self::Client(error) => error.outcome(),
             Self::Which { .. } | Self::Usage(_) | Self::NoAcceptedTarget => Outcome::NotSent,
-            Self::ControlLost(_) | Self::NotStill { .. } => Outcome::None,
+            Self::ControlLost(_) | Self::NotStill { .. } | Self::Refusal(_) | Self::Plot(_) => {
+                Outcome::None
+            }
         }
     }
 
@@ -93,8 +107,30 @@ impl Failure {
             title: title.to_owned(),
             detail: self.sentence(),
             outcome: self.outcome(),
+            violations: self.violations(),
             status,
             request_id: request_id.map(str::to_owned),
+        }
+    }
+
+    /// What is wrong with which item, for machines.
+    fn violations(&self) -> Vec<Violation> {
+        match self {
+            Self::Refusal(refusal) if !refusal.path.is_empty() => vec![Violation {
+                item: refusal.path.clone(),
+                message: refusal.detail.clone(),
+                value: refusal.value,
+                min: refusal.min,
+                max: refusal.max,
+            }],
+            Self::Refusal(_)
+            | Self::Client(_)
+            | Self::Which { .. }
+            | Self::Usage(_)
+            | Self::Plot(_)
+            | Self::NoAcceptedTarget
+            | Self::ControlLost(_)
+            | Self::NotStill { .. } => Vec::new(),
         }
     }
 
@@ -116,9 +152,12 @@ impl Failure {
                     self.sentence()
                 )
             }
-            Self::Client(_) | Self::Usage(_) | Self::ControlLost(_) | Self::NotStill { .. } => {
-                self.sentence()
-            }
+            Self::Client(_)
+            | Self::Usage(_)
+            | Self::Refusal(_)
+            | Self::Plot(_)
+            | Self::ControlLost(_)
+            | Self::NotStill { .. } => self.sentence(),
             Self::Which { all, .. } => list(&self.sentence(), all),
             Self::NoAcceptedTarget => {
                 format!(

@@ -26,7 +26,9 @@ mod mobile_robot;
 mod motions;
 mod move_to;
 mod numbers;
+mod questions;
 mod report;
+
 mod simulation;
 mod speed_override;
 mod state;
@@ -63,7 +65,11 @@ async fn main() -> ExitCode {
 async fn run(cli: Cli) -> Result<Report, Failure> {
     let json = cli.global.json;
     // A login asks for its own, and must be possible where what is kept is of no use.
-    let wants_token = !matches!(cli.command, Command::Login | Command::Logout);
+    // A question that is answered here needs none.
+    let answered_here = cli.global.server.is_none()
+        && (matches!(cli.command, Command::Arm(_) | Command::Plan(_))
+            || matches!(&cli.command, Command::Route(args) if !args.asks_a_server()));
+    let wants_token = !answered_here && !matches!(cli.command, Command::Login | Command::Logout);
     let context = Context::new(cli.global, wants_token)?;
     match cli.command {
         Command::Move(args) => move_to::run(args, &context).await,
@@ -94,5 +100,8 @@ async fn run(cli: Cli) -> Result<Report, Failure> {
         Command::Watch(args) => watch::run(args, &context).await,
         Command::Journal(args) => journal::run(args, json).await,
         Command::Emulator(args) => emulator::run(args, &context).await,
+        Command::Arm(args) => questions::arm(args, &context).await,
+        Command::Plan(args) => questions::plan(args, &context).await,
+        Command::Route(args) => questions::route(args, &context).await,
     }
 }

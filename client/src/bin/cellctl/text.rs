@@ -85,20 +85,25 @@ pub(crate) fn margins(margins: &[JointMargin]) -> Table {
 /// An aligned table. A heading that begins with `>` aligns its column to the right.
 #[derive(Debug)]
 pub(crate) struct Table {
-    headings: Vec<&'static str>,
+    headings: Vec<String>,
     rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    pub(crate) fn new(headings: &[&'static str]) -> Self {
+    pub(crate) fn new(headings: &[&str]) -> Self {
+        Self::with_headings(headings.iter().map(|&heading| heading.to_owned()))
+    }
+
+    /// For as many columns as there are joints.
+    pub(crate) fn with_headings(headings: impl IntoIterator<Item = String>) -> Self {
         Self {
-            headings: headings.to_vec(),
+            headings: headings.into_iter().collect(),
             rows: Vec::new(),
         }
     }
 
-    pub(crate) fn row<const N: usize>(&mut self, cells: [String; N]) {
-        self.rows.push(cells.into());
+    pub(crate) fn row(&mut self, cells: impl IntoIterator<Item = String>) {
+        self.rows.push(cells.into_iter().collect());
     }
 }
 

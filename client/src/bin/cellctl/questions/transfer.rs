@@ -1,0 +1,123 @@
+//! `cellctl arm transfer`: an arm among obstacles.
+
+use api::PoseBody;
+use api::arms::{ArmObstacle, ArmTransferBody, ArmTransferResult};
+use clap::Args;
+use plots::answers;
+
+use super::desk::Desk;
+use super::input::{FileArgs, Numbers, Row, needed, read};
+use super::show::{PlotArgs, finish};
+use crate::context::Context;
+use crate::failure::Failure;
+use crate::numbers::finite;
+use crate::report::{Exit, Report};
+use crate::text::{Table, thousandths};
+
+/// Find a way from one joint set to another that touches nothing, by a probabilistic roadmap.
+///
+/// Example:
+///   cellctl arm transfer fanuc-m20ia --from 45,20,-20,0,-70,0 --to -45,20,-20,0,-70,0 --keep-out 700,-100,-500,1000,100,500
+#[derive(Args, Debug)]
+#[command(verbatim_doc_comment)]
+pub(super) struct TransferArgs {
+    /// The model.
+    model: String,
+    /// The joints at the start, in degrees.
+    #[arg(
+        long,
+        value_name = "J1,J2,..",
+        allow_hyphen_values = true,
+        conflicts_with = "file"
+    )]
+    from: Option<Numbers>,
+    /// The joints at the goal, in degrees.
+    #[arg(long, value_name = "J1,J2,..", allow_hyphen_values = true)]
+    to: Option<Numbers>,
+    /// A box that the arm must not be in: two corners in the arm's world, in mm. As often as there are such.
+    #[arg(long, value_name = "X,Y,Z,X,Y,Z", allow_hyphen_values = true)]
+    keep_out: Vec<Row<6>>,
+    /// An upright cylinder: the middle of its floor, radius and height, in mm.
+    #[arg(long, value_name = "X,Y,Z,R,H", allow_hyphen_values = true)]
+    cylinder: Vec<Row<5>>,
+    /// How far from obstacles the arm stays, in mm; 20 if absent.
+    #[arg(long, value_name = "MM", value_parser = finite, allow_hyphen_values = true)]
+    margin: Option<f64>,
+    /// The same seed gives the same way.
+    #[arg(long)]
+    seed: Option<u64>,
+    /// After so many samples the search is given up; 5000 if absent.
+    #[arg(long, value_name = "COUNT")]
+    samples: Option<u32>,
+    #[command(flatten)]
+    file: FileArgs,
+    #[command(flatten)]
+    plot: PlotArgs,
+}
+
+pub(super) async fn run(args: TransferArgs, context: &Context) -> Result<Report, Failure> {
+    let (model, plot) = (args.model.clone(), args.plot.clone());
+    let body = question(args)?;
+    let answer = Desk::of(context).transfer(&model, &body).await?;
+    let drawing = match &plot.plot {
+        None => None,
+        Some(picture) => {
+            let drawing = answers::transfer(&model, &body.obstacles, &answer)?;
+            Some((picture, drawing))
+        }
+    };
+    finish(context, Exit::Done, &answer, drawing, way)
+}
+
+fn question(args: TransferArgs) -> Result<ArmTransferBody, Failure> {
+    if let Some(file) = &args.file.file {
+        return read(file);
+    }
+    let boxes = args
+        .keep_out
+        .iter()
+        .map(|Row([x0, y0, z0, x1, y1, z1])| ArmObstacle::KeepOut {
+            min_mm: [*x0, *y0, *z0],
+            max_mm: [*x1, *y1, *z1],
+        });
+    let cylinders =
+        args.cylinder
+            .iter()
+            .map(|Row([x, y, z, radius, height])| ArmObstacle::Cylinder {
+                pose: PoseBody {
+                    x_mm: *x,
+                    y_mm: *y,
+                    z_mm: z + height / 2.0,
+                    w_deg: 0.0,
+                    p_deg: 0.0,
+                    r_deg: 0.0,
+                },
+                radius_mm: *radius,
+                height_mm: *height,
+            });
+    Ok(ArmTransferBody {
+        start_deg: needed(args.from, "--from")?.0,
+        goal_deg: needed(args.to, "--to")?.0,
+        obstacles: boxes.chain(cylinders).collect(),
+        capsules: None,
+        tool_capsules: Vec::new(),
+        margin_mm: args.margin,
+        seed: args.seed,
+        samples: args.samples,
+    })
+}
+
+fn way(answer: &ArmTransferResult) -> String {
+    let names = (1..=6).map(|joint| format!(">J{joint} deg"));
+    let mut table = Table::with_headings([">#".to_owned()].into_iter().chain(names));
+    for (index, joints) in answer.points_deg.iter().enumerate() {
+        let values = joints.iter().map(|value| thousandths(*value));
+        table.row([(index + 1).to_string()].into_iter().chain(values));
+    }
+    let pieces = answer.points_deg.len().saturating_sub(1);
+    let straight = if pieces == 1 { "piece" } else { "pieces" };
+    format!(
+        "{pieces} straight {straight} of joint space, {} deg together\n\n{table}",
+        thousandths(answer.length_deg)
+    )
+}

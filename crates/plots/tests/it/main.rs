@@ -1,0 +1,5 @@
+//! What is in a drawing: curves, labels, limits, legends; and that the same is in the PNG.
+
+mod drawings;
+mod refused;
+mod seen;
