@@ -68,7 +68,10 @@ impl Shown {
     /// Runs it with `folder` as the root of the project.
     fn run(&self, folder: &Path) -> Result<()> {
         let (program, arguments) = self.words.split_first().context("an empty command")?;
-        ensure!(program == "cellctl", "{program} is no command of this document");
+        ensure!(
+            program == "cellctl",
+            "{program} is no command of this document"
+        );
         let output = Command::new(env!("CARGO_BIN_EXE_cellctl"))
             .env_clear()
             .current_dir(folder)
@@ -159,7 +162,9 @@ fn every_command_of_the_document_does_what_the_document_says() -> Result<()> {
         let old = std::fs::read_to_string(root().join(picture))
             .with_context(|| format!("{picture}; `cargo xtask plots` draws it"))?;
         if seen(&old) != seen(&new) {
-            bail!("{picture} is another one now; `cargo xtask plots` draws it anew, then look at it");
+            bail!(
+                "{picture} is another one now; `cargo xtask plots` draws it anew, then look at it"
+            );
         }
     }
     // The pictures in the text, and those in the folder, are those that were drawn.

@@ -7,13 +7,7 @@ use crate::command::cargo_with;
 /// Draws docs/plots anew.
 pub(crate) fn draw() -> Result<()> {
     cargo_with(
-        &[
-            "test",
-            "--package",
-            "client",
-            "--test",
-            "robotics_document",
-        ],
+        &["test", "--package", "client", "--test", "robotics_document"],
         &[],
         &[("UPDATE_PLOTS", "1")],
     )

@@ -61,10 +61,26 @@ pub struct ArmJacobianResult {
     /// The largest divided by the smallest; absent at a singularity.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub condition: Option<f64>,
+    /// Of an arm with a spherical wrist: whether its first three joints or its wrist is singular.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub decomposition: Option<ArmDecomposition>,
     /// Motions of the tool that are lost here.
     pub lost: Vec<ArmTwist>,
     /// Joint motions that do not move the tool, in the task.
     pub free_deg_mm_s: Vec<Vec<f64>>,
+}
+
+/// The Jacobian of an arm with a spherical wrist, taken apart: `det J = det J11 det J22`, textbook 1.4.5.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
+pub struct ArmDecomposition {
+    /// Of J11, the wrist center's velocity for the first three joints: below 3 the arm is singular (elbow, shoulder).
+    pub arm_rank: usize,
+    /// Of J22, the flange's angular velocity for the last three joints: below 3 the wrist is.
+    pub wrist_rank: usize,
+    /// `det J11`, for each radian of the joints.
+    pub arm_determinant_mm3: f64,
+    /// `det J22`, for each radian of the joints.
+    pub wrist_determinant: f64,
 }
 
 /// A velocity of the tool whose joint rates are asked for.
