@@ -1,7 +1,9 @@
+use std::time::Duration;
+
 use serde_json::Value;
 
 use crate::http::{Effect, Exchange, Http};
-use crate::{Alarm, ClientError, EmulatorState, LedgerEntry, Log, Timeouts};
+use crate::{Alarm, ClientError, EmulatorState, LedgerEntry, Log, Notes, Timeouts};
 
 /// How something is changed through the control interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,6 +67,23 @@ impl EmulatorClient {
     /// As all calls: see [`ClientError`].
     pub async fn alarms(&self) -> Result<Log<Alarm>, ClientError> {
         self.http.get(&["alarms"], Effect::Question).json().await
+    }
+
+    /// What a kind controller has said above the note `after`; where there is nothing yet, waits for it up to `wait`,
+    /// which the panel bounds at 30 s.
+    ///
+    /// # Errors
+    /// As all calls: see [`ClientError`].
+    pub async fn notes(&self, after: u64, wait: Option<Duration>) -> Result<Notes, ClientError> {
+        let path = control(&["notes"]);
+        let longer = wait.unwrap_or_default() + self.http.timeouts.question;
+        let mut query = vec![("after", after.to_string())];
+        query.extend(wait.map(|wait| ("wait_s", wait.as_secs_f64().to_string())));
+        self.http
+            .get(&path, Effect::LongQuestion(longer))
+            .query(&query)
+            .json()
+            .await
     }
 
     /// Asks the control interface; `path` is what follows `/api/v1`. The answers are in its OpenAPI document.

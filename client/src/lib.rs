@@ -73,7 +73,8 @@ pub use http::Timeouts;
 pub use jobs::Jobs;
 pub use mobile::{MobileRobotClient, SignalGap};
 pub use panel::{
-    Alarm, EmulatorJoints, EmulatorState, JointLimit, LedgerEntry, LedgerEvent, Log, Tag, Task,
+    Alarm, EmulatorJoints, EmulatorState, JointLimit, LedgerEntry, LedgerEvent, Log, Note, Notes,
+    Tag, Task,
 };
 pub use robot::{Ask, Page, Robot};
 pub use server::Client;

@@ -22,6 +22,30 @@ pub struct EmulatorState {
     pub configuration: String,
     /// Whether the arm is moving now.
     pub moving: bool,
+    /// Whether a motion is held on its way.
+    #[serde(default)]
+    pub held: bool,
+    /// The mode switch: `T1`, `T2` or `AUTO`.
+    #[serde(default)]
+    pub mode: String,
+    /// Whether the emergency stop is pressed.
+    #[serde(default)]
+    pub emergency_stop: bool,
+    /// Whether the servos have power; `None` if the controller does not tell.
+    #[serde(default)]
+    pub servo_power: Option<bool>,
+    /// `faithful`, as silent as a real controller, or `kind`, which explains itself.
+    #[serde(default)]
+    pub fidelity: String,
+    /// `any`, `v7` or `v9`.
+    #[serde(default)]
+    pub generation: String,
+    /// Number of the newest note.
+    #[serde(default)]
+    pub note_seq: u64,
+    /// How many injected faults are active.
+    #[serde(default)]
+    pub faults: u64,
     /// The general override in percent.
     pub override_percent: i32,
     /// How many motions run or wait.
@@ -100,6 +124,38 @@ pub struct Task {
     pub line: Option<u32>,
     /// What it waits for, or the error that ended it.
     pub detail: Option<String>,
+    /// Of a kind controller: why that may take long.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hint: Option<String>,
+}
+
+/// What a kind controller has said about itself.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct Notes {
+    /// Oldest first.
+    pub notes: Vec<Note>,
+    /// The cursor for what comes after these.
+    #[serde(default)]
+    pub next: u64,
+}
+
+/// One thing that a kind controller has said.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct Note {
+    /// Counts from 1.
+    pub seq: u64,
+    /// Controller time since power-on, in seconds.
+    pub time_s: f64,
+    /// The program it is about.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub program: Option<String>,
+    /// Its source line.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub line: Option<u32>,
+    /// One sentence.
+    pub text: String,
+    /// How often it was said in a row.
+    pub times: u64,
 }
 
 /// A socket tag of the controller.

@@ -39,7 +39,7 @@ const ROWS: &[Row] = &[
     ("i", &["1", "0", "2", "7", "100", "(-3)", "2147483647", "{vi}", "{vi}", "({i} + {i})", "({i} - {i})", "({i} * {i})",
         "({i} DIV {i})", "({i} MOD {i})", "(-{i})", "ABS({i})", "ROUND({r})", "TRUNC({r})", "STR_LEN({t})", "INDEX({t}, {t})",
         "ORD({t}, {at3})", "ARRAY_LEN(ai)", "ARRAY_LEN(at)", "twice({i})", "by_ref(i3, {r})", "GIN[{at3}]", "GOUT[{at3}]",
-        "AIN[{at3}]", "IO_STATUS(f1)", "BYTES_LEFT(f1)", "$MCR.$GENOVERRIDE", "k5", "({i})", "MAXINT", "(NOT {i})", "({i} AND {i})"]),
+        "AIN[{at3}]", "IO_STATUS(f1)", "PATH_LEN({pa})", "NODE_SIZE({pa})", "BYTES_LEFT(f1)", "$MCR.$GENOVERRIDE", "k5", "({i})", "MAXINT", "(NOT {i})", "({i} AND {i})"]),
     ("small", &["1", "3", "0", "10", "25"]),
     // REAL.
     ("r", &["1.5", "0.0", "(-2.25)", "1E10", "90", "{vr}", "{vr}", "({r} + {r})", "({r} - {i})", "({r} * {r})", "({i} / {i})",
@@ -93,7 +93,11 @@ const ROWS: &[Row] = &[
         "CHECK_EPOS(e1, q1, q2, i1)", "JOINT2POS(j1, q1, q2, 0, p1, c1, ar, i1)", "POS2JOINT(p1, q1, q2, 0, c1, ar, j1, i1)",
         "SET_VAR(i2, {path}, {one}, i1)", "GET_VAR(i2, {path}, {one}, i1)", "$MCR.$GENOVERRIDE = {i}", "$SPEED = {r}", "$UTOOL = {q}",
         "$UFRAME = q1", "$MOTYPE = {mt}", "MOVE TO {p}", "MOVE TO {p} NOWAIT", "MOVE TO {p}, UNTIL {b3}", "MOVE TO q1 NOWAIT",
-        "MOVE TO {p} NOWAIT,\nWHEN {c} DO\n{a}ENDMOVE", "CANCEL", "STOP", "HOLD", "RESUME", "UNHOLD", "ATTACH", "RELEASE",
+        "MOVE TO {p} NOWAIT,\nWHEN {c} DO\n{a}ENDMOVE",
+        "MOVE TO {p} VIA {p}", "MOVE NEAR {p} BY {r}", "MOVE NEAR {p} BY {r} NOWAIT", "MOVE AXIS {at5} BY {r}", "MOVE RELATIVE {vv}",
+        "MOVE AWAY {r}", "MOVE AWAY {r} NOWAIT, UNTIL {b3}", "MOVE ABOUT {vv} BY {r}", "MOVE ALONG way", "MOVE ALONG way NOWAIT",
+        "MOVE ALONG way[{at3}..{at3}]", "MOVE ALONG route", "MOVE ALONG way,\nWHEN {nd} DO\n{a}WHEN {nd} DO\n{a}ENDMOVE",
+        "$TERMTYPE = {tt}", "OPEN HAND {at3}", "CLOSE HAND {i}", "RELAX HAND {at3}", "CANCEL", "STOP", "HOLD", "RESUME", "UNHOLD", "ATTACH", "RELEASE",
         "DELAY {small}", "DELAY {i}", "WAIT FOR {b}", "WAIT FOR {c}", "SIGNAL EVENT[{small}]", "SIGNAL SEMAPHORE[{at3}]",
         "PEND_SEMA({at3}, {small}, b1)", "POST_SEMA({at3})", "CLEAR_SEMA({at3})", "PULSE DOUT[{at3}] FOR {small}", "PULSE DOUT[{at3}] FOR {small} NOWAIT",
         "CONNECT TIMER TO i3", "DISCONNECT TIMER i3",
@@ -103,8 +107,16 @@ const ROWS: &[Row] = &[
         "GET_TSK_INFO({vt}, i2, TSK_STATUS, i3, t2, i1)", "CALL_PROG({task}, i2)", "CALL_PROGLIN({task}, {i}, i2, FALSE)",
         "LOAD_STATUS({task}, b1, b2)", "PROG_LIST('*', 1, {small}, i2, at, i3, i1)", "POST_ERR({i}, {t}, {i}, {at3})",
         "ERR_DATA(i1, i2, {vt}, i3, t2, i2, i3, t1)", "ABORT PROGRAM[{i}]", "PAUSE PROGRAM[{i}]", "CONTINUE PROGRAM[{i}]",
+        "APPEND_NODE({pa}, i1)", "INSERT_NODE({pa}, {at3}, i1)", "DELETE_NODE({pa}, {i}, i1)", "COPY_PATH(way, {small}, {small}, path2, i1)",
+        "way[{at3}].node_pos = {q}", "route[{at3}].n = {i}", "route[{at3}].spot = {q}", "route.t = {t}", "nums[{at3}] = {i}",
+        "IF PATH_LEN(route) > 0 THEN\n{vI} = route[1].n\nENDIF", "grow(route, {small})", "USING route[{at3}] DO\nn = {i}\n{l}ENDUSING",
+        "INIT_QUEUE(qu)", "APPEND_QUEUE({i}, qu, qd, i2, i1)", "GET_QUEUE(qu, qd, {vI}, i1, i2)", "INSERT_QUEUE({i}, {i}, qu, qd, i1)",
+        "DELETE_QUEUE({small}, qu, qd, i1)", "MODIFY_QUEUE({i}, {small}, qu, qd, i1)", "COPY_QUEUE(qu, qd, {small}, {small}, ao, i2, i1)",
         "FORCE_SPMENU(TP_PANEL, SPI_TPUSER, 1)", "SET_LANG({t}, i1)", "bump", "far_count = far_count + {i}"]),
     ("mt", &["JOINT", "LINEAR", "CIRCULAR"]),
+    ("tt", &["FINE", "COARSE", "NOSETTLE", "NODECEL", "VARDECEL"]),
+    ("pa", &["way", "route", "nums", "path2"]),
+    ("nd", &["AT NODE[{small}]", "AT NODE[*]", "TIME {small} AFTER NODE[{at3}]", "TIME {small} BEFORE NODE[{at3}]", "{c}"]),
     ("j1", &["j1", "j2"]),
     // Conditions and actions of handlers.
     ("c", &["{b3}", "EVENT[{small}]", "SEMAPHORE[{k3}]", "ERROR[*]", "ERROR[12311]", "DIN[{k3}]+", "DOUT[{k3}]-", "FLG[1]+ OR FLG[2]-",
@@ -130,7 +142,17 @@ TYPE
     b : BOOLEAN
     t : STRING[10]
   ENDSTRUCTURE
+  stop = STRUCTURE
+    n : INTEGER
+    spot : POSITION
+  ENDSTRUCTURE
+  trip = PATH PATHHEADER = rec, NODEDATA = stop
 VAR
+  way, path2 : PATH
+  route : trip
+  nums : PATH NODEDATA = INTEGER
+  qu : QUEUE_TYPE
+  qd : ARRAY[4] OF INTEGER
   i1, i2, i3 : INTEGER
   r1, r2, r3, r4, r5, r6 : REAL
   b1, b2 : BOOLEAN
@@ -185,6 +207,13 @@ BEGIN
   list[1] = n
   n = ARRAY_LEN(list)
 END poke
+ROUTINE grow(p : trip; n : INTEGER)
+VAR s : INTEGER
+BEGIN
+  APPEND_NODE(p, s)
+  p[PATH_LEN(p)].n = n
+  p[PATH_LEN(p)].spot = CURPOS(0, 0)
+END grow
 ROUTINE count_down(n : INTEGER)
 BEGIN
   IF n > 0 THEN
@@ -200,6 +229,8 @@ const START: &str =
   FOR i1 = 1 TO 5 DO ; ai[i1] = i1 ; ao[i1] = -i1 ; ENDFOR
   FOR i1 = 1 TO 9 DO ; ar[i1] = i1 ; ENDFOR
   FOR i1 = 1 TO 3 DO ; at[i1] = 'x' ; bt[i1] = i1 ; ap[i1] = p1 ; ENDFOR
+  FOR i1 = 1 TO 3 DO ; APPEND_NODE(way, i2) ; way[i1].node_pos = q1 ; grow(route, i1) ; APPEND_NODE(nums, i2) ; nums[i1] = i1 ; ENDFOR
+  INIT_QUEUE(qu) ; i2 = 2
   s1.n = 1; s1.x = 1; s1.b = TRUE; s1.t = 's'
 ";
 

@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use karel::Status;
 use serde::{Deserialize, Serialize};
 
 /// How much an alarm stops.
@@ -14,6 +15,17 @@ pub enum Severity {
     Pause,
     /// The task is aborted.
     Abort,
+}
+
+/// What an alarm says whose program adds no words: those that public programs post. Words of our own.
+pub(crate) fn meaning(status: Status) -> &'static str {
+    match status {
+        Status::FILE_ILLEGAL_PARAMETER => "Illegal parameter",
+        Status::INTP_UNINIT => "Uninitialized data is used",
+        Status::PRIO_PORT_NUMBER => "Illegal port number",
+        Status::HOST_TAG => "Communication tag error",
+        _ => "",
+    }
 }
 
 /// One alarm.

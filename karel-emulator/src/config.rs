@@ -173,6 +173,8 @@ pub struct ControllerConfig {
     pub fidelity: Fidelity,
     /// The generation of the controller: what it translates.
     pub generation: ControllerGeneration,
+    /// The period in which it interpolates.
+    pub interpolation_period: InterpolationPeriod,
     /// I/O ports.
     pub ports: PortCounts,
     /// Numbers of the registers in which TP programs find epoch and number of the command they carry out, for the
@@ -204,6 +206,40 @@ pub struct ControllerConfig {
     pub limits: Limits,
 }
 
+/// The period in which a controller interpolates: a `DELAY` lasts a whole number of these, programs see where the arm was
+/// at the last one, and SKIP CONDITION, WAIT of TP programs and monitors look once in each.
+///
+/// The way of the arm itself is exact at any time and does not depend on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InterpolationPeriod(u8);
+
+impl InterpolationPeriod {
+    /// So many milliseconds, 1 to 64; `None` for anything else.
+    #[must_use]
+    pub fn from_millis(ms: u8) -> Option<Self> {
+        (1..=64).contains(&ms).then_some(Self(ms))
+    }
+
+    /// The period.
+    #[must_use]
+    pub fn duration(self) -> Duration {
+        Duration::from_millis(self.0.into())
+    }
+
+    /// The period in milliseconds.
+    #[must_use]
+    pub fn millis(self) -> f64 {
+        self.0.into()
+    }
+}
+
+impl Default for InterpolationPeriod {
+    /// 8 ms, as controllers are delivered.
+    fn default() -> Self {
+        Self(8)
+    }
+}
+
 impl ControllerConfig {
     /// A controller of `model` at its home, with nothing loaded, on loopback, without a panel.
     #[must_use]
@@ -226,6 +262,7 @@ impl ControllerConfig {
             byte_order: ByteOrder::default(),
             fidelity: Fidelity::default(),
             generation: ControllerGeneration::default(),
+            interpolation_period: InterpolationPeriod::default(),
             ports: PortCounts::default(),
             command_registers: None,
             gripper: None,

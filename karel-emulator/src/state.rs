@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 
 use serde::{Deserialize, Serialize};
 
-use crate::fidelity::Fidelity;
+use crate::fidelity::{ControllerGeneration, Fidelity};
 use crate::gripper::GripperView;
 use crate::hardware::operator::OperatingMode;
 use crate::ledger::{JointsDeg, PoseMmDeg};
@@ -81,6 +81,9 @@ pub struct State {
     /// How much the controller says about itself.
     #[serde(default)]
     pub fidelity: Fidelity,
+    /// The generation of the controller.
+    #[serde(default)]
+    pub generation: ControllerGeneration,
     /// Number of the newest note; a faithful controller has none.
     #[serde(default)]
     pub note_seq: u64,

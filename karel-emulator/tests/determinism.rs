@@ -1,4 +1,5 @@
 //! The same programs, bytes and times give the same ledger, byte for byte.
+#![allow(clippy::unwrap_used, reason = "a helper that fails stops its test")]
 
 mod common;
 
@@ -6,7 +7,10 @@ use std::net::SocketAddr;
 use std::time::Duration;
 
 use common::{LINE, Stepped, call, config_of, sock_server};
-use karel_emulator::Controller;
+use karel_emulator::alarms::Severity;
+use karel_emulator::{Controller, ControllerConfig, Operation, StopSource};
+use proptest::prelude::*;
+
 use karel_emulator::effects::{ConnectionId, Effect, Event, Tag};
 
 /// Two tasks that compute, wait and share the arm, without any socket.
@@ -120,4 +124,128 @@ async fn a_stepped_controller_gives_the_same_ledger_over_real_sockets() {
         histories.iter().all(|history| *history == histories[0]),
         "{histories:#?}"
     );
+}
+
+/// Conditions of motions that are looked at, motions that begin and end within a few milliseconds, and an error behind
+/// so many statements.
+fn program_that_fails(fillers: usize) -> String {
+    let fillers = "  n = n + 1\n".repeat(fillers);
+    format!(
+        "PROGRAM test
+%NOLOCKGROUP
+VAR p : XYZWPR
+    n : INTEGER
+    r : REAL
+BEGIN
+  n = 0
+  p = CURPOS(0, 0)
+  MOVE TO p NOWAIT,
+  WHEN n > 3 DO
+    n = n + 10
+    UNHOLD
+  ENDMOVE
+  p.z = p.z - 2
+  MOVE TO p NOWAIT,
+  WHEN EVENT[1], n > 12 DO
+    SIGNAL SEMAPHORE[1]
+    n = n + 1
+  ENDMOVE
+{fillers}  CANCEL
+  p.z = p.z + 40
+  MOVE TO p NOWAIT
+  p.y = p.y - 40
+  MOVE TO p NOWAIT
+{fillers}  r = ASIN(1.0 + n)
+END test
+"
+    )
+}
+
+/// What can be seen of a controller in the end that is run to these moments, one after the other.
+fn seen(
+    config: &ControllerConfig,
+    moments: impl Iterator<Item = u64>,
+    (stopped, operation): (u64, &Operation),
+) -> String {
+    let mut core = Controller::try_new(config).unwrap();
+    let mut is_stopped = false;
+    for ms in moments.chain([MOST_MS]) {
+        if ms >= stopped && !is_stopped {
+            core.advance_fully(Duration::from_millis(stopped));
+            let _refused = core.operate(operation.clone());
+            is_stopped = true;
+        }
+        core.advance_fully(Duration::from_millis(ms));
+    }
+    let state = serde_json::to_string(&core.state()).unwrap();
+    let ledger = serde_json::to_string(&core.ledger(0)).unwrap();
+    format!("{state}\n{ledger}\n{:?}", core.alarms())
+}
+
+/// Controller time of such a program.
+const MOST_MS: u64 = 400;
+
+/// What stops an arm, or changes its pace.
+fn stopping(which: u32) -> Operation {
+    match which {
+        0 => Operation::Hold,
+        1 => Operation::SetOverride(7),
+        2 => Operation::SetServoPower(false),
+        3 => Operation::SafetyStop {
+            source: StopSource::Panel,
+            active: true,
+        },
+        _ => Operation::RaiseAlarm {
+            facility: "SRVO".to_owned(),
+            number: 38,
+            text: "Pulse mismatch".to_owned(),
+            severity: Severity::Abort,
+        },
+    }
+}
+
+/// Found by fuzzing: a traced task paid nothing for its conditions, so it was ahead of one that was not traced, and
+/// what it stopped was stopped a millisecond earlier.
+#[test]
+fn a_watched_program_is_stopped_at_the_same_instruction_however_time_is_cut() {
+    for speed in [2, 3, 5, 9, 17] {
+        let mut config = config_of(&program_that_fails(16), &[]);
+        config.limits.instructions_per_ms = speed;
+        for stopped in 0..120 {
+            let hold = (stopped, &Operation::Hold);
+            config.trace = false;
+            let whole = seen(&config, std::iter::empty(), hold);
+            config.trace = true;
+            let cut = 1 + stopped * 37 % 255;
+            let pieces = seen(&config, (1..MOST_MS / cut).map(|n| n * cut), hold);
+            assert_eq!(whole, pieces, "{speed} a ms, held at {stopped}, cut {cut}");
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(192))]
+
+    #[test]
+    fn a_stop_at_any_moment_ends_at_the_same_place_however_time_is_cut(
+        fillers in 0..40usize, speed in 1..100u32, cut in 1..=255u64, stopped in 0..MOST_MS, which in 0..5u32,
+    ) {
+        let mut config = config_of(&program_that_fails(fillers), &[]);
+        config.limits.instructions_per_ms = speed;
+        let operation = stopping(which);
+        let whole = seen(&config, std::iter::empty(), (stopped, &operation));
+        config.trace = true;
+        let pieces = seen(&config, (1..MOST_MS / cut).map(|n| n * cut), (stopped, &operation));
+        prop_assert_eq!(whole, pieces);
+    }
+}
+
+/// Time stood still for ever: a task that had used up its share was due to look at its conditions, and could not.
+#[test]
+fn a_task_without_instructions_left_looks_at_its_conditions_later() {
+    let mut config = config_of(&program_that_fails(3), &[]);
+    config.limits.instructions_per_ms = 1;
+    let mut core = Controller::try_new(&config).unwrap();
+    core.advance_fully(Duration::from_millis(MOST_MS));
+    assert_eq!(core.now(), Duration::from_millis(MOST_MS));
 }

@@ -3,6 +3,7 @@
 mod common;
 
 use common::{PORT, Stepped, arm, config_of, http};
+use karel_emulator::config::InterpolationPeriod;
 use karel_emulator::state::TaskWord;
 use karel_emulator::{
     Clock, ControlAccess, ControllerConfig, ControllerGeneration, Fidelity, PeerLabels,
@@ -286,4 +287,31 @@ async fn the_control_interface_shows_the_profile_and_lets_the_controller_explain
         (400..500).contains(&status),
         "it is built as it is: {status}"
     );
+}
+
+/// A DELAY of 9 ms ends at a multiple of the period.
+#[test]
+fn the_interpolation_period_is_that_of_the_configuration() {
+    for (ms, expected) in [(4, 12.0), (8, 16.0), (16, 16.0)] {
+        let source = "PROGRAM waits\nBEGIN\n  DELAY 9\nEND waits\n";
+        let mut config =
+            ControllerConfig::new("c", arm()).with_program(ProgramSource::new("waits.kl", source));
+        config.interpolation_period = InterpolationPeriod::from_millis(ms).unwrap();
+        let mut core = karel_emulator::controller::Controller::try_new(&config).unwrap();
+        assert_eq!(
+            core.profile().interpolation_period_ms.to_bits(),
+            f64::from(ms).to_bits()
+        );
+        let mut over_at = None;
+        for now in 0..30 {
+            let until = std::time::Duration::from_millis(now);
+            while core.advance(until) == karel_emulator::controller::Advance::Worked {}
+            if over_at.is_none() && core.state().tasks[0].state == TaskWord::Ended {
+                over_at = Some(f64::from(u32::try_from(now).unwrap()));
+            }
+        }
+        assert_eq!(over_at, Some(expected), "{ms} ms");
+    }
+    assert!(InterpolationPeriod::from_millis(0).is_none());
+    assert!(InterpolationPeriod::from_millis(65).is_none());
 }

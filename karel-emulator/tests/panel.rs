@@ -126,6 +126,7 @@ async fn the_shapes_of_state_and_ledger_are_what_clients_rely_on() {
         "emergency_stop",
         "faults",
         "fidelity",
+        "generation",
         "gripper",
         "held",
         "hold",

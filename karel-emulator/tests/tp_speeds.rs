@@ -54,7 +54,9 @@ fn degrees_and_inches_are_what_they_are() {
         core.finish();
         core.lasted(2)
     };
-    assert!((time("L P[4] 45deg/sec FINE") - (2.0 + 45.0 / 720.0)).abs() < 1e-3);
+    // 45 deg/s at 7200 deg/s³ take 2 sqrt(v / j), half of it beyond the 90 / 45 s, at either end.
+    let expected = 2.0 + 2.0 * (45.0_f64 / 7200.0).sqrt();
+    assert!((time("L P[4] 45deg/sec FINE") - expected).abs() < 1e-3);
     let inches = time("L P[2] 600inch/min FINE");
     assert!((inches - time("L P[2] 254mm/sec FINE")).abs() < 1e-6);
     assert!((inches - time("L P[2] 1524cm/min FINE")).abs() < 1e-6);
@@ -159,6 +161,7 @@ fn a_skip_keeps_where_the_arm_was_and_goes_on_and_without_it_jumps() {
         let later = distance(kept, place);
         assert!(later < 1.7, "kept {later} mm behind the input");
         let braking = distance(core.tool(), kept);
-        assert!((0.5..4.0).contains(&braking), "{braking} mm to brake");
+        // 100 mm/s at 30,000 mm/s³: v sqrt(v / j) are 5.8 mm, of which the input's period is no part.
+        assert!((4.0..6.5).contains(&braking), "{braking} mm to brake");
     }
 }

@@ -69,12 +69,14 @@ mod problem;
 mod request_id;
 mod router;
 mod routes;
+mod runtime;
 mod serve;
 mod setup;
 mod simulation;
 mod state;
 mod target;
 mod wire_bodies;
+mod words;
 
 pub use self::journal::{JournalError, Retention, SharedJournal, Upkeep, open as open_journal};
 pub use cell::StartError as CellStartError;
@@ -83,6 +85,7 @@ pub use config::{ConfigError, Plan};
 pub use connections::Listener;
 pub use link::{AddressError, Connector, ControllerAddress, TcpConnection, TcpConnector};
 pub use openapi::{OpenApiError, openapi, openapi_yaml};
+pub use runtime::runtime;
 pub use serve::{ServeError, run, start};
 pub use setup::{SetupErrors, StoreError};
 pub use simulation::{

@@ -13,7 +13,12 @@ use crate::command::root;
 /// The crates whose guesses are marked.
 const CRATES: [&str; 2] = ["crates/karel", "karel-emulator"];
 /// Where golden programs are.
-const CASES: &str = "crates/karel/tests/cases";
+/// Golden programs, and where their listings are.
+const CASES: [(&str, &str); 3] = [
+    ("crates/karel/tests/cases", "kl"),
+    ("crates/karel/tests/cases/tp", "ls"),
+    ("karel-emulator/tests/cases", "ls"),
+];
 const MARK: &str = "ASSUMPTION:";
 /// What an item begins with.
 const ITEMS: [&str; 6] = ["fn", "const", "struct", "enum", "static", "mod"];
@@ -166,11 +171,15 @@ fn tests() -> Result<Vec<(String, String)>> {
             }
         }
     }
-    let cases = root().join(CASES);
-    for entry in fs::read_dir(&cases).context("reading the golden programs")? {
-        let name = entry?.file_name().to_string_lossy().into_owned();
-        if Path::new(&name).extension().is_some_and(|end| end == "kl") {
-            tests.push((format!("{CASES}/{name}"), name));
+    for (folder, extension) in CASES {
+        for entry in fs::read_dir(root().join(folder)).context("reading the golden programs")? {
+            let name = entry?.file_name().to_string_lossy().into_owned();
+            if Path::new(&name)
+                .extension()
+                .is_some_and(|end| end == extension)
+            {
+                tests.push((format!("{folder}/{name}"), name));
+            }
         }
     }
     Ok(tests)

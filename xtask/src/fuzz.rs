@@ -37,15 +37,19 @@ pub(crate) struct Options {
     /// How long each target runs.
     #[arg(long, default_value_t = 60)]
     seconds: u64,
+    /// The seed of the random numbers, another one each time where absent.
+    #[arg(long)]
+    seed: Option<u32>,
     /// Only these targets.
     #[arg(value_name = "TARGET")]
     targets: Vec<String>,
 }
 
-/// What CI runs: every target for its minute.
+/// What CI runs: every target for its minute, with one seed, so that the same commit draws the same inputs again.
 pub(crate) fn ci() -> Result<()> {
     run(&Options {
         seconds: 60,
+        seed: Some(1),
         targets: Vec::new(),
     })
 }
@@ -75,7 +79,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         while running.len() < AT_A_TIME
             && let Some(name) = waiting.pop_front()
         {
-            running.push(Run::start(&built, &target, name, options.seconds)?);
+            running.push(Run::start(&built, &target, name, options)?);
         }
         // Whoever ends first is asked first; a fifth of a second more or less does not matter.
         let mut still = Vec::new();
@@ -108,7 +112,7 @@ struct Run {
 }
 
 impl Run {
-    fn start(built: &Path, target: &Path, name: String, seconds: u64) -> Result<Self> {
+    fn start(built: &Path, target: &Path, name: String, options: &Options) -> Result<Self> {
         let folder = target.join("fuzz");
         let (corpus, findings) = (folder.join("corpus"), folder.join("findings"));
         let (corpus, findings) = (corpus.join(&name), findings.join(&name));
@@ -125,13 +129,16 @@ impl Run {
             .env("RUST_BACKTRACE", "1")
             .current_dir(root())
             .arg(&corpus)
-            .arg(format!("-max_total_time={seconds}"))
+            .arg(format!("-max_total_time={}", options.seconds))
             .arg(format!("-timeout={TIMEOUT_S}"))
             .arg(format!("-rss_limit_mb={MEMORY_MIB}"))
             .arg(format!("-artifact_prefix={}/", findings.display()))
             .arg("-print_final_stats=1")
             .stdout(Stdio::from(output))
             .stderr(Stdio::from(also));
+        if let Some(seed) = options.seed {
+            let _command = command.arg(format!("-seed={seed}"));
+        }
         for flag in flags(built, &name)? {
             let _command = command.arg(flag);
         }

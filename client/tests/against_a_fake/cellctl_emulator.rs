@@ -13,6 +13,8 @@ async fn state_ledger_and_alarms_are_shown() {
         Answer::Json(match seen.line.as_str() {
             "GET /state" => samples::emulator_state(false),
             "GET /alarms" => samples::alarms(),
+            "GET /api/v1/notes?after=2&wait_s=1.5" => samples::notes(),
+            "GET /api/v1/notes?after=0" => json!({"notes": [], "next": 0}),
             _ => samples::ledger(),
         })
     })
@@ -22,6 +24,16 @@ async fn state_ledger_and_alarms_are_shown() {
             &["emulator", "state"][..],
             "motion      not moving, 0 in the motion queue",
         ),
+        (
+            &["emulator", "state"],
+            "profile     kind, generation v9, 3 notes",
+        ),
+        (&["emulator", "state"], "operator    AUTO\n"),
+        (
+            &["emulator", "notes", "--after", "2", "--wait", "1.5"],
+            "MAPPDK_SERVER   203      1  CNV_STR_REAL finds no number in",
+        ),
+        (&["emulator", "notes"], "No note."),
         (&["emulator", "ledger"], "finished       1  joint"),
         (&["emulator", "alarms"], "MOTN-017  abort"),
     ] {
@@ -167,6 +179,7 @@ async fn what_the_controller_refuses_is_exit_code_one_and_nonsense_is_two() {
         &["mode", "T3"],
         &["time", "step"],
         &["override", "101"],
+        &["notes", "--wait", "31"],
     ] {
         let ran = fake.cellctl(&[&["emulator"], arguments].concat()).await;
         assert_eq!(ran.code, 2, "{arguments:?}: {ran:?}");

@@ -102,9 +102,17 @@ pub(crate) fn emulator_state(moving: bool) -> Value {
         "override_percent": 25, "motion_queue": i32::from(moving),
         "tasks": [{"name": "SOCKSERVER", "program": "SOCKSERVER", "state": "waiting", "line": 40, "detail": null}],
         "tags": [{"tag": "S3:", "port": 59002, "state": "listening", "peer": null}],
-        "active_alarms": 0, "ledger_seq": 2,
+        "active_alarms": 0, "ledger_seq": 2, "mode": "AUTO", "servo_power": true,
+        "fidelity": "kind", "generation": "v9", "note_seq": 3,
         "limits_deg": [{"joint": "J1", "min_deg": -170.0, "max_deg": 170.0}],
     })
+}
+
+pub(crate) fn notes() -> Value {
+    json!({"notes": [{
+        "seq": 3, "time_s": 1.274, "program": "MAPPDK_SERVER", "line": 203, "times": 1,
+        "text": "CNV_STR_REAL finds no number in \"abc\": its variable has no value now",
+    }], "next": 3})
 }
 
 pub(crate) fn ledger() -> Value {

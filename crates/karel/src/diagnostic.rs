@@ -99,6 +99,13 @@ impl Reports {
         self.push(Severity::Error, span, message.into(), Some(help.into()));
     }
 
+    /// Adds help to the newest report.
+    pub(crate) fn help(&mut self, help: &str) {
+        if let Some(last) = self.list.last_mut() {
+            last.help = Some(help.to_owned());
+        }
+    }
+
     pub(crate) fn warning(&mut self, span: Span, message: impl Into<String>) {
         self.push(Severity::Warning, span, message.into(), None);
     }

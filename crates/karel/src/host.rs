@@ -483,6 +483,11 @@ pub trait Host {
         self.continue_motions(task);
     }
 
+    /// `RESET`: no alarm is active any more and the drives get power. `false` if something forbids it, or there are none.
+    fn reset(&mut self) -> bool {
+        false
+    }
+
     /// `OPEN HAND`, `CLOSE HAND` and `RELAX HAND`.
     ///
     /// # Errors

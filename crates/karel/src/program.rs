@@ -119,11 +119,10 @@ impl Program {
         let Some(listing) = listing.filter(|_| !reports.has_errors()) else {
             return Err(reports.into_diagnostics(&source));
         };
-        Ok(Program::of_listing(
-            &listing.name,
-            listing.instructions,
-            listing.positions,
-        ))
+        let mut program =
+            Program::of_listing(&listing.name, listing.instructions, listing.positions);
+        program.warnings = reports.into_diagnostics(&source);
+        Ok(program)
     }
 
     /// A TP program of instructions and positions.

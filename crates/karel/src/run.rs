@@ -63,7 +63,8 @@ impl ByteOrder {
 pub struct Slice {
     /// Why it returned.
     pub run: Run,
-    /// Instructions that were executed; at most the fuel given.
+    /// Instructions that were executed, those of conditions included: at most the fuel given, or what the conditions cost and
+    /// one more.
     pub used: u32,
     /// The task has condition handlers: run it again by this moment of the controller's clock,
     /// whatever it waits for.

@@ -48,6 +48,10 @@ impl Status {
     ///
     /// ASSUMPTION: the number is from memory of error lists.
     pub const INTP_USER_ALARM: Status = Status(12213);
+    /// INTP-216: a TP program has no such label.
+    ///
+    /// ASSUMPTION: the number is ours.
+    pub const INTP_LABEL: Status = Status(12216);
     /// INTP-252: a taught position is for another frame or tool than the active one.
     ///
     /// ASSUMPTION: the number is from memory of error lists.

@@ -9,16 +9,16 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::geometry::Geometry;
+use crate::checked::nearest_turn;
+use crate::inverse::{last, seen};
 use crate::joints::{Axis, PendantJoints};
-use crate::lanes::Lanes;
+use crate::lanes::{
+    LANES, Lane, Number, Select, Simd, SimdBase, SimdFloat, SimdFrom, SimdMask, difference,
+    dispatch, mask64x4, sum,
+};
 use crate::model::ArmModel;
 use crate::pose::Pose;
-use crate::trigonometry::atan2;
-
-const LANES: usize = 4;
-type Lane = Lanes<LANES>;
-type Turn = (Lane, Lane);
+use crate::trigonometry::angles;
 
 /// Nearer to a singularity than this (sines, parts of the reach) a pose is solved by itself.
 const NEARLY_SINGULAR: f64 = 1e-6;
@@ -27,8 +27,9 @@ const NEARLY_SINGULAR: f64 = 1e-6;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Group {
     /// Displayed joints in radians: set, joint, pose.
-    joints: [[Lane; 6]; 8],
-    reached: [[bool; LANES]; 8],
+    joints: [[[f64; LANES]; 6]; 8],
+    /// A bit for each pose.
+    reached: [u64; 8],
 }
 
 /// The joint sets that reach one pose of a batch; see [`ArmModel::inverse_batch`].
@@ -44,9 +45,9 @@ impl JointSets<'_> {
     pub fn iter(&self) -> impl Iterator<Item = PendantJoints> {
         let lane = self.lane;
         let sets = self.group.joints.iter().zip(&self.group.reached);
-        sets.filter(move |(_, reached)| reached.get(lane) == Some(&true))
+        sets.filter(move |(_, reached)| (**reached >> lane) & 1 == 1)
             .map(move |(joints, _)| {
-                let of = |joint: &Lane| joint.0.get(lane).copied().unwrap_or(f64::NAN);
+                let of = |joint: &[f64; LANES]| joint.get(lane).copied().unwrap_or(f64::NAN);
                 let [j1, j2, j3, j4, j5, j6] = joints;
                 PendantJoints::from_radians([of(j1), of(j2), of(j3), of(j4), of(j5), of(j6)])
             })
@@ -56,9 +57,7 @@ impl JointSets<'_> {
     #[must_use]
     pub fn len(&self) -> usize {
         let reached = self.group.reached.iter();
-        reached
-            .filter(|set| set.get(self.lane) == Some(&true))
-            .count()
+        reached.filter(|set| (**set >> self.lane) & 1 == 1).count()
     }
 
     /// Is the pose out of reach?
@@ -96,25 +95,25 @@ impl ArmModel {
 impl Group {
     pub(crate) fn none() -> Self {
         Self {
-            joints: [[Lanes::all(0.0); 6]; 8],
-            reached: [[false; LANES]; 8],
+            joints: [[[0.0; LANES]; 6]; 8],
+            reached: [0; 8],
         }
     }
 
     /// How many sets reach each pose, and how many of them are inside the limits.
     #[inline(always)]
-    pub(crate) fn count(&self, limits: &[(f64, f64); 6]) -> [(u8, u8); LANES] {
+    pub(crate) fn count<S: Simd>(&self, simd: S, limits: &[(f64, f64); 6]) -> [(u8, u8); LANES] {
         let mut counts = [(0, 0); LANES];
         for (joints, reached) in self.joints.iter().zip(&self.reached) {
-            let mut inside = *reached;
+            let mut inside = mask64x4::splat(simd, true);
             for (joint, (min, max)) in joints.iter().zip(limits) {
-                for (inside, value) in inside.iter_mut().zip(joint.0) {
-                    *inside &= value >= *min && value <= *max;
-                }
+                let joint = Lane::simd_from(simd, *joint);
+                inside = inside & joint.simd_ge(*min) & joint.simd_le(*max);
             }
-            for ((count, reached), inside) in counts.iter_mut().zip(reached).zip(inside) {
-                count.0 += u8::from(*reached);
-                count.1 += u8::from(inside);
+            let inside = inside.to_bitmask() & reached;
+            for (lane, count) in counts.iter_mut().enumerate() {
+                count.0 += u8::from((reached >> lane) & 1 == 1);
+                count.1 += u8::from((inside >> lane) & 1 == 1);
             }
         }
         counts
@@ -126,14 +125,14 @@ impl Group {
         let found = model.inverse_all(pose);
         let mut solutions = found.iter().flatten();
         for (joints, reached) in self.joints.iter_mut().zip(&mut self.reached) {
-            let solution = solutions.next();
-            if let Some(reached) = reached.get_mut(lane) {
-                *reached = solution.is_some();
-            }
-            let Some(solution) = solution else { continue };
+            *reached &= !(1 << lane);
+            let Some(solution) = solutions.next() else {
+                continue;
+            };
+            *reached |= 1 << lane;
             let values = solution.joints.radians();
             for ((joint, value), middle) in joints.iter_mut().zip(values).zip(middles) {
-                if let Some(cell) = joint.0.get_mut(lane) {
+                if let Some(cell) = joint.get_mut(lane) {
                     *cell = value - TAU * ((value - middle) / TAU).round();
                 }
             }
@@ -142,154 +141,153 @@ impl Group {
 }
 
 /// Solves up to four poses; lanes beyond them hold the last one again.
-#[multiversion::multiversion(targets("x86_64+avx2+fma"))]
-pub(crate) fn solve_group(model: &ArmModel, poses: &[Pose], group: &mut Group) {
+fn solve_group(model: &ArmModel, poses: &[Pose], group: &mut Group) {
+    dispatch!(model.level, simd => solve_group_with(simd, model, poses, group));
+}
+
+#[inline(always)]
+pub(crate) fn solve_group_with<S: Simd>(
+    simd: S,
+    model: &ArmModel,
+    poses: &[Pose],
+    group: &mut Group,
+) {
     let g = &model.geometry;
     let middles = middles(model);
-    let (p, r) = load(poses);
-    let [r0, r1, r2] = r;
-    let [x, y, z] = p;
-    let (x, y, z) = (x - r2[0] * g.d6, y - r2[1] * g.d6, z - r2[2] * g.d6);
+    let one = Lane::splat(simd, 1.0);
+    let zero = Lane::splat(simd, 0.0);
+    let ([x, y, z], [r0, r1, r2]) = load(simd, poses);
+    let [x, y, z] = [
+        r2[0].scaled_plus(-g.d6, x),
+        r2[1].scaled_plus(-g.d6, y),
+        r2[2].scaled_plus(-g.d6, z),
+    ];
     let lateral = -g.s1 * g.lateral;
-    let across = (x * x + y * y).sqrt();
+    let across = sum((x, x), (y, y)).sqrt();
     let square = (across - lateral.abs()) * (across + lateral.abs());
-    let front = square.map(|s| if s > 0.0 { s } else { 0.0 }).sqrt();
-    let scale = (across * across).recip();
+    let front = square.simd_gt(0.0).select(square, zero).sqrt();
+    let scale = one / (across * across);
     let close = NEARLY_SINGULAR * g.reach;
-    let mut alone = (square - close * close).test(|s| s < 0.0);
+    let mut alone = square.simd_lt(close * close);
     let v = (z - g.d1) * g.s1;
-    let (longest, shortest) = (g.a2 + g.forearm, (g.a2 - g.forearm).abs());
+    let (longest, shortest) = (g.a2 + g.forearm, g.a2 - g.forearm);
     let mut set = group.joints.iter_mut().zip(group.reached.iter_mut());
     for side in [1.0, -1.0] {
         let front = front * side;
         let q1 = (
-            (y * front - x * lateral) * scale,
-            (x * front + y * lateral) * scale,
+            x.scaled_plus(-lateral, y * front) * scale,
+            y.scaled_plus(lateral, x * front) * scale,
         );
-        let first = atan2(q1.0, q1.1);
+        let [first] = angles([q1]);
         let u = front - g.a1;
-        let distance = (u * u + v * v).sqrt();
-        let per_distance = distance.recip();
-        let area = ((distance * -1.0 + longest) * (distance + longest))
-            * ((distance - shortest) * (distance + shortest));
+        let square = sum((u, u), (v, v));
+        let per_square = one / square;
+        let area = (-square + longest * longest) * (square - shortest * shortest);
         // Nearly stretched or folded.
         let least = NEARLY_SINGULAR * g.a2 * g.forearm;
-        let nearly = area.test(|area| area.abs() < least * least);
-        or(&mut alone, nearly);
-        let reaches = area.test(|area| area > 0.0);
-        let sine = area.map(|a| if a > 0.0 { a } else { 0.0 }).sqrt() * (0.5 / (g.a2 * g.forearm));
-        let (dx, dy) = (u * per_distance, v * per_distance);
-        let along =
-            (distance * distance + (g.a2 - g.forearm) * longest) * per_distance * (0.5 / g.a2);
-        let across_arm = sine * per_distance * (g.s1 * g.forearm);
+        alone |= area.abs().simd_lt(least * least);
+        let reaches = area.simd_gt(0.0);
+        let twice_height = reaches.select(area, zero).sqrt();
+        let along = (square + shortest * longest) * per_square * (0.5 / g.a2);
+        let across_arm = twice_height * per_square * (g.s1 * 0.5 / g.a2);
         for bend in [1.0, -1.0] {
             let off = across_arm * bend;
-            let q2 = (dy * along + dx * off, dx * along - dy * off);
-            let (fx, fy) = (u - q2.1 * g.a2, v - q2.0 * g.a2);
-            let (fx, fy) = (fx * (1.0 / g.forearm), fy * (1.0 / g.forearm));
-            let q23 = (
-                fy * g.forearm_cos - fx * g.forearm_sin,
-                fx * g.forearm_cos + fy * g.forearm_sin,
+            let q2 = (sum((v, along), (u, off)), difference((u, along), (v, off)));
+            let (fx, fy) = (
+                q2.1.scaled_plus(-g.a2, u) * (1.0 / g.forearm),
+                q2.0.scaled_plus(-g.a2, v) * (1.0 / g.forearm),
             );
-            let (second, both) = (atan2(q2.0, q2.1), atan2(q23.0, q23.1));
-            let seen = |column: [Lane; 3]| seen(g, q1, q23, column);
-            let (c0, c1, c2) = (seen(r0), seen(r1), seen(r2));
-            let [wx, wy, wz] = c2;
-            let sine5 = (wx * wx + wy * wy).sqrt();
-            or(&mut alone, sine5.test(|s| s < NEARLY_SINGULAR));
-            let scale = sine5.recip() * (model.no_flip_sign * g.s5);
-            let (s4, c4) = (wy * scale, wx * scale);
-            let t = -g.s4 * g.s5;
-            let q4 = atan2(s4, c4);
-            let q5 = atan2((c4 * wx + s4 * wy) * g.s5, wz * t);
-            let q6 = atan2((c4 * c0[1] - s4 * c0[0]) * t, (c4 * c1[1] - s4 * c1[0]) * t);
-            let arm = [first, second, both - second];
-            for wrist in [[q4, q5, q6], [q4 + PI, -q5, q6 + PI]] {
-                let [a, b, c] = arm;
-                let [d, e, f] = wrist;
-                let shown = model.coupling.pendant(&[a, b, c, d, e, f]);
+            let q23 = (
+                fx.scaled_plus(-g.forearm_sin, fy * g.forearm_cos),
+                fy.scaled_plus(g.forearm_sin, fx * g.forearm_cos),
+            );
+            let [second, both] = angles([q2, q23]);
+            let columns = [
+                seen(g, q1, q23, r0),
+                seen(g, q1, q23, r1),
+                seen(g, q1, q23, r2),
+            ];
+            let [_, _, [wx, wy, wz]] = columns;
+            let sine5 = sum((wx, wx), (wy, wy)).sqrt();
+            alone |= sine5.simd_lt(NEARLY_SINGULAR);
+            // Only directions count, so nothing is made of length 1.
+            let turned = model.no_flip_sign * g.s5;
+            let q4 = (wy * turned, wx * turned);
+            let q6 = last(g, &columns, q4);
+            let q5 = (sine5 * model.no_flip_sign, wz * (-g.s4 * g.s5));
+            let [q4, q5, q6] = angles([q4, q5, q6]);
+            let third = both - second;
+            for [q4, q5, q6] in [[q4, q5, q6], [q4 + PI, -q5, q6 + PI]] {
+                let shown = model.coupling.pendant(&[first, second, third, q4, q5, q6]);
                 let Some((joints, reached)) = set.next() else {
                     return;
                 };
                 for ((joint, value), middle) in joints.iter_mut().zip(shown).zip(middles) {
-                    const ROUND: f64 = 6_755_399_441_055_744.0;
-                    let turns = (value - middle) * (1.0 / TAU) + ROUND - ROUND;
-                    *joint = value - turns * TAU;
+                    *joint = nearest_turn(value, middle).into();
                 }
-                *reached = reaches;
+                *reached = reaches.to_bitmask();
             }
         }
     }
-    if alone != [false; LANES] {
-        for (lane, (pose, alone)) in poses.iter().zip(alone).enumerate() {
-            if alone {
+    if alone.any_true() {
+        let alone = alone.to_bitmask();
+        for (lane, pose) in poses.iter().enumerate() {
+            if (alone >> lane) & 1 == 1 {
                 group.solve_alone(model, pose, lane, &middles);
             }
         }
     }
 }
 
-#[inline(always)]
-fn or(these: &mut [bool; LANES], those: [bool; LANES]) {
-    for (this, that) in these.iter_mut().zip(those) {
-        *this |= that;
-    }
-}
-
-/// A column of the flange's rotation, seen from the forearm; as in `inverse.rs`.
-#[inline(always)]
-fn seen(g: &Geometry, (s1, c1): Turn, (s23, c23): Turn, [x, y, z]: [Lane; 3]) -> [Lane; 3] {
-    let z = z * g.s1;
-    let (along, across) = (c1 * x + s1 * y, s1 * x - c1 * y);
-    [
-        c23 * along + s23 * z,
-        across * (g.s1 * g.s3),
-        (s23 * along - c23 * z) * g.s3,
-    ]
-}
-
 /// Positions, and the columns of the rotations.
 #[inline(always)]
-fn load(poses: &[Pose]) -> ([Lane; 3], [[Lane; 3]; 3]) {
-    let mut p = [Lanes::all(0.0); 3];
-    let mut q = [Lanes::all(0.0); 4];
+fn load<S: Simd>(simd: S, poses: &[Pose]) -> ([Lane<S>; 3], [[Lane<S>; 3]; 3]) {
+    let mut p = [[0.0; LANES]; 3];
+    let mut q = [[0.0; LANES]; 4];
     for lane in 0..LANES {
         let Some(pose) = poses.get(lane).or(poses.last()) else {
             break;
         };
         let isometry = pose.isometry();
         for (to, from) in p.iter_mut().zip(isometry.translation.vector.iter()) {
-            if let Some(cell) = to.0.get_mut(lane) {
+            if let Some(cell) = to.get_mut(lane) {
                 *cell = *from;
             }
         }
         for (to, from) in q.iter_mut().zip(isometry.rotation.coords.iter()) {
-            if let Some(cell) = to.0.get_mut(lane) {
+            if let Some(cell) = to.get_mut(lane) {
                 *cell = *from;
             }
         }
     }
+    let [x, y, z] = p;
     let [i, j, k, w] = q;
-    let one_minus = |a: Lane| a.map(|a| 1.0 - a);
+    let (x, y, z) = (
+        Lane::simd_from(simd, x),
+        Lane::simd_from(simd, y),
+        Lane::simd_from(simd, z),
+    );
+    let (i, j) = (Lane::simd_from(simd, i), Lane::simd_from(simd, j));
+    let (k, w) = (Lane::simd_from(simd, k), Lane::simd_from(simd, w));
     let (i2, j2, k2) = (i + i, j + j, k + k);
     let columns = [
         [
-            one_minus(j * j2 + k * k2),
-            i * j2 + k * w * 2.0,
-            i * k2 - j * w * 2.0,
+            -sum((j, j2), (k, k2)) + 1.0,
+            sum((i, j2), (w, k2)),
+            difference((i, k2), (w, j2)),
         ],
         [
-            i * j2 - k * w * 2.0,
-            one_minus(i * i2 + k * k2),
-            j * k2 + i * w * 2.0,
+            difference((i, j2), (w, k2)),
+            -sum((i, i2), (k, k2)) + 1.0,
+            sum((j, k2), (w, i2)),
         ],
         [
-            i * k2 + j * w * 2.0,
-            j * k2 - i * w * 2.0,
-            one_minus(i * i2 + j * j2),
+            sum((i, k2), (w, j2)),
+            difference((j, k2), (w, i2)),
+            -sum((i, i2), (j, j2)) + 1.0,
         ],
     ];
-    (p, columns)
+    ([x, y, z], columns)
 }
 
 /// The middles of the joints' ranges, in radians.

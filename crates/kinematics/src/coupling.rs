@@ -1,13 +1,13 @@
 //! From the pendant's joints to the chain's and back.
 #![expect(
     clippy::inline_always,
-    reason = "a function with AVX2 is made of what is inlined into it, and a call a lane would undo the point of lanes"
+    reason = "a function with AVX2 is made of what is inlined into it"
 )]
 
 use units::Degrees;
 
 use crate::joints::Axis;
-use crate::lanes::Lanes;
+use crate::lanes::Number;
 
 /// How the chain's angles follow from the pendant's: `q = sign * J + offset`, and J2 adds to q3.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,10 +21,7 @@ pub(crate) struct Coupling {
 
 impl Coupling {
     #[inline(always)]
-    pub(crate) fn chain<const N: usize>(
-        &self,
-        &[j1, j2, j3, j4, j5, j6]: &[Lanes<N>; 6],
-    ) -> [Lanes<N>; 6] {
+    pub(crate) fn chain<N: Number>(&self, &[j1, j2, j3, j4, j5, j6]: &[N; 6]) -> [N; 6] {
         let [s1, s2, s3, s4, s5, s6] = self.signs;
         let [o1, o2, o3, o4, o5, o6] = self.offsets;
         [
@@ -44,10 +41,7 @@ impl Coupling {
 
     /// The inverse of [`Self::chain`]. The signs are 1 or -1, so multiplying divides.
     #[inline(always)]
-    pub(crate) fn pendant<const N: usize>(
-        &self,
-        &[q1, q2, q3, q4, q5, q6]: &[Lanes<N>; 6],
-    ) -> [Lanes<N>; 6] {
+    pub(crate) fn pendant<N: Number>(&self, &[q1, q2, q3, q4, q5, q6]: &[N; 6]) -> [N; 6] {
         let [s1, s2, s3, s4, s5, s6] = self.signs;
         let [o1, o2, o3, o4, o5, o6] = self.offsets;
         let j2 = (q2 - o2) * s2;
@@ -73,9 +67,9 @@ mod tests {
             offsets: [0.1, 0.2, 0.3, 0.4, 0.5, 0.6],
             j2_in_q3: 1.0,
         };
-        let joints = [1.0, 2.0, 3.0, -1.0, -2.0, -3.0].map(|j| Lanes([j]));
+        let joints: [f64; 6] = [1.0, 2.0, 3.0, -1.0, -2.0, -3.0];
         let back = coupling.pendant(&coupling.chain(&joints));
-        for (Lanes([back]), Lanes([there])) in back.into_iter().zip(joints) {
+        for (back, there) in back.into_iter().zip(joints) {
             assert!((back - there).abs() < 1e-15);
         }
     }

@@ -2,41 +2,94 @@
 //! several side by side.
 #![expect(
     clippy::inline_always,
-    reason = "a function with AVX2 is made of what is inlined into it, and a call a lane would undo the point of lanes"
+    reason = "a function with AVX2 is made of what is inlined into it"
 )]
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use crate::geometry::Geometry;
-use crate::joints::ChainJoints;
-use crate::lanes::Lanes;
+use crate::joints::{ChainJoints, PendantJoints};
+use crate::lanes::{
+    LANES, Lane, Level, Number, Simd, SimdFrom, difference, dispatch, side_by_side, sum, transpose,
+};
+use crate::model::ArmModel;
 use crate::pose::Pose;
-use crate::trigonometry::sin_cos;
+use crate::trigonometry::{sin_cos, sin_cos_of_small};
 
-/// `X_WF` of the chain's joints.
-#[multiversion::multiversion(targets("x86_64+avx2+fma"))]
-pub(crate) fn flange(geometry: &Geometry, joints: &ChainJoints) -> Pose {
-    let [q1, q2, q3, q4, q5, q6] = joints.radians().map(|q| Lanes([q]));
-    // One call for six angles, instead of six calls for one.
-    let [a, b, c] = Arm::angles(q1, q2, q3);
-    let [d, e, f] = Wrist::angles(q4, q5, q6);
-    let angles = Lanes([a, b, c, d, e, f].map(|Lanes([angle])| angle));
-    let (Lanes(sines), Lanes(cosines)) = sin_cos(angles);
-    let [sa, sb, sc, sd, se, sf] = sines.map(|sine| Lanes([sine]));
-    let [ca, cb, cc, cd, ce, cf] = cosines.map(|cosine| Lanes([cosine]));
-    let arm = Arm::compose(geometry, (sa, ca), (sb, cb), (sc, cc));
-    let wrist = Wrist::compose(geometry, (sd, cd), (se, ce), (sf, cf));
-    let Flange { position, rotation } = Flange::of(geometry, &arm, &wrist);
-    let [x, y, z] = position.map(|Lanes([value])| value);
-    let [w, i, j, k] = rotation.map(|Lanes([value])| value);
+impl ArmModel {
+    /// `X_WF` at each of `joints`, given to `each` with its index, in order: [`Self::forward`] for
+    /// four joint sets at a time.
+    pub fn forward_batch(&self, joints: &[PendantJoints], mut each: impl FnMut(usize, &Pose)) {
+        let mut index = 0;
+        for joints in joints.chunks(LANES) {
+            let poses = group(self, joints);
+            for (_, pose) in joints.iter().zip(&poses) {
+                each(index, pose);
+                index += 1;
+            }
+        }
+    }
+}
+
+fn group(model: &ArmModel, joints: &[PendantJoints]) -> [Pose; LANES] {
+    dispatch!(model.level, simd => four(simd, model, joints))
+}
+
+#[inline(always)]
+fn four<S: Simd>(simd: S, model: &ArmModel, joints: &[PendantJoints]) -> [Pose; LANES] {
+    let g = &model.geometry;
+    let [q1, q2, q3, q4, q5, q6] = model.coupling.chain(&side_by_side(simd, joints));
+    let [a, b, c] = sin_cos(Arm::angles(q1, q2, q3));
+    let arm = Arm::compose(g, a, b, c);
+    let [a, b, c] = sin_cos(Wrist::angles(q4, q5, q6));
+    let wrist = Wrist::compose(g, a, b, c);
+    let Flange {
+        position: [x, y, z],
+        rotation: [w, i, j, k],
+    } = Flange::of(g, &arm, &wrist);
+    let [first, second, third, fourth] = transpose(&[x, y, z, w, i, j, k]);
+    [pose(first), pose(second), pose(third), pose(fourth)]
+}
+
+/// Of position and rotation, real part first.
+#[inline(always)]
+fn pose([x, y, z, w, i, j, k]: [f64; 7]) -> Pose {
     Pose::from_parts(
         Vector3::new(x, y, z),
         UnitQuaternion::new_unchecked(Quaternion::new(w, i, j, k)),
     )
 }
 
+/// `X_WF` of the chain's joints.
+pub(crate) fn flange(level: Level, geometry: &Geometry, joints: &ChainJoints) -> Pose {
+    dispatch!(level, simd => flange_with(simd, geometry, joints))
+}
+
+#[inline(always)]
+fn flange_with<S: Simd>(simd: S, geometry: &Geometry, joints: &ChainJoints) -> Pose {
+    let [q1, q2, q3, q4, q5, q6] = joints.radians();
+    // The six angles in two vectors, instead of one by one.
+    let [a, b, c] = Arm::angles(q1, q2, q3);
+    let [d, e, f] = Wrist::angles(q4, q5, q6);
+    let [(sines, cosines), more] = sin_cos([
+        Lane::simd_from(simd, [a, b, c, f]),
+        Lane::simd_from(simd, [d, e, d, e]),
+    ]);
+    let [sa, sb, sc, sf]: [f64; 4] = sines.into();
+    let [ca, cb, cc, cf]: [f64; 4] = cosines.into();
+    let [sd, se, ..]: [f64; 4] = more.0.into();
+    let [cd, ce, ..]: [f64; 4] = more.1.into();
+    let arm = Arm::compose(geometry, (sa, ca), (sb, cb), (sc, cc));
+    let wrist = Wrist::compose(geometry, (sd, cd), (se, ce), (sf, cf));
+    let Flange {
+        position: [x, y, z],
+        rotation: [w, i, j, k],
+    } = Flange::of(geometry, &arm, &wrist);
+    pose([x, y, z, w, i, j, k])
+}
+
 /// Sine and cosine.
-type Turn<const N: usize> = (Lanes<N>, Lanes<N>);
+type Turn<N> = (N, N);
 
 /// What axes 1, 2 and 3 do: the wrist center, and the forearm's rotation with the twist of link 3.
 ///
@@ -44,38 +97,41 @@ type Turn<const N: usize> = (Lanes<N>, Lanes<N>);
 /// each factor is short, a and b being half angles: `Z(a) X(±90) Z(b) = (cos(a+b), ±cos(a-b),
 /// ±sin(a-b), sin(a+b)) / sqrt 2`. The factors of `1 / sqrt 2` are left to the end.
 #[derive(Clone, Copy)]
-pub(crate) struct Arm<const N: usize> {
-    wrist_center: [Lanes<N>; 3],
-    rotation: [Lanes<N>; 4],
+pub(crate) struct Arm<N> {
+    wrist_center: [N; 3],
+    rotation: [N; 4],
 }
 
-impl<const N: usize> Arm<N> {
-    /// Of the chain's first three joints.
+impl<S: Simd> Arm<Lane<S>> {
+    /// Of the chain's first three joints, none of them many turns away.
     #[inline(always)]
-    pub(crate) fn of(g: &Geometry, q1: Lanes<N>, q2: Lanes<N>, q3: Lanes<N>) -> Self {
-        let [a, b, c] = Self::angles(q1, q2, q3);
-        Self::compose(g, sin_cos(a), sin_cos(b), sin_cos(c))
+    pub(crate) fn of(g: &Geometry, q1: Lane<S>, q2: Lane<S>, q3: Lane<S>) -> Self {
+        let [a, b, c] = sin_cos_of_small(Self::angles(q1, q2, q3));
+        Self::compose(g, a, b, c)
     }
+}
 
+impl<N: Number> Arm<N> {
     /// The angles whose sines and cosines are needed.
     #[inline(always)]
-    fn angles(q1: Lanes<N>, q2: Lanes<N>, q3: Lanes<N>) -> [Lanes<N>; 3] {
+    fn angles(q1: N, q2: N, q3: N) -> [N; 3] {
         let q23 = q2 + q3;
         [q2, (q1 + q23) * 0.5, (q1 - q23) * 0.5]
     }
 
     #[inline(always)]
     fn compose(g: &Geometry, (s2, c2): Turn<N>, (sp, cp): Turn<N>, (sm, cm): Turn<N>) -> Self {
-        let (s1, c1) = (sp * cm + cp * sm, cp * cm - sp * sm);
-        let (s23, c23) = (sp * cm - cp * sm, cp * cm + sp * sm);
+        let (sp_cm, cp_cm) = (sp * cm, cp * cm);
+        let (s1, c1) = (cp.times_plus(sm, sp_cm), sp.times_plus(-sm, cp_cm));
+        let (s23, c23) = (cp.times_plus(-sm, sp_cm), sp.times_plus(sm, cp_cm));
         let (reach_x, reach_y) = (g.forearm * g.forearm_cos, g.forearm * g.forearm_sin);
-        let forward = c2 * g.a2 + c23 * reach_x - s23 * reach_y + g.a1;
-        let up = s2 * g.a2 + s23 * reach_x + c23 * reach_y;
+        let forward = s23.scaled_plus(-reach_y, c23.scaled_plus(reach_x, c2 * g.a2 + g.a1));
+        let up = c23.scaled_plus(reach_y, s23.scaled_plus(reach_x, s2 * g.a2));
         let lateral = -g.s1 * g.lateral;
         Self {
             wrist_center: [
-                c1 * forward - s1 * lateral,
-                s1 * forward + c1 * lateral,
+                s1.scaled_plus(-lateral, c1 * forward),
+                c1.scaled_plus(lateral, s1 * forward),
                 up * g.s1 + g.d1,
             ],
             rotation: twisted([cp, cm * g.s1, sm * g.s1, sp], g.s3),
@@ -85,21 +141,23 @@ impl<const N: usize> Arm<N> {
 
 /// What axes 4, 5 and 6 do: the flange's rotation against the forearm.
 #[derive(Clone, Copy)]
-pub(crate) struct Wrist<const N: usize> {
-    rotation: [Lanes<N>; 4],
+pub(crate) struct Wrist<N> {
+    rotation: [N; 4],
 }
 
-impl<const N: usize> Wrist<N> {
-    /// Of the chain's last three joints.
+impl<S: Simd> Wrist<Lane<S>> {
+    /// Of the chain's last three joints, none of them many turns away.
     #[inline(always)]
-    pub(crate) fn of(g: &Geometry, q4: Lanes<N>, q5: Lanes<N>, q6: Lanes<N>) -> Self {
-        let [a, b, c] = Self::angles(q4, q5, q6);
-        Self::compose(g, sin_cos(a), sin_cos(b), sin_cos(c))
+    pub(crate) fn of(g: &Geometry, q4: Lane<S>, q5: Lane<S>, q6: Lane<S>) -> Self {
+        let [a, b, c] = sin_cos_of_small(Self::angles(q4, q5, q6));
+        Self::compose(g, a, b, c)
     }
+}
 
+impl<N: Number> Wrist<N> {
     /// The angles whose sines and cosines are needed.
     #[inline(always)]
-    fn angles(q4: Lanes<N>, q5: Lanes<N>, q6: Lanes<N>) -> [Lanes<N>; 3] {
+    fn angles(q4: N, q5: N, q6: N) -> [N; 3] {
         [(q4 + q5) * 0.5, (q4 - q5) * 0.5, q6 * 0.5]
     }
 
@@ -108,10 +166,10 @@ impl<const N: usize> Wrist<N> {
         let [w, x, y, z] = twisted([cp, cm * g.s4, sm * g.s4, sp], g.s5);
         Self {
             rotation: [
-                w * c6 - z * s6,
-                x * c6 + y * s6,
-                y * c6 - x * s6,
-                z * c6 + w * s6,
+                difference((w, c6), (z, s6)),
+                sum((x, c6), (y, s6)),
+                difference((y, c6), (x, s6)),
+                sum((z, c6), (w, s6)),
             ],
         }
     }
@@ -119,12 +177,12 @@ impl<const N: usize> Wrist<N> {
 
 /// Position in millimeters, and rotation as a unit quaternion, real part first.
 #[derive(Clone, Copy)]
-pub(crate) struct Flange<const N: usize> {
-    pub(crate) position: [Lanes<N>; 3],
-    pub(crate) rotation: [Lanes<N>; 4],
+pub(crate) struct Flange<N> {
+    pub(crate) position: [N; 3],
+    pub(crate) rotation: [N; 4],
 }
 
-impl<const N: usize> Flange<N> {
+impl<N: Number> Flange<N> {
     #[inline(always)]
     pub(crate) fn of(g: &Geometry, arm: &Arm<N>, wrist: &Wrist<N>) -> Self {
         let [w, x, y, z] = product(arm.rotation, wrist.rotation);
@@ -132,13 +190,13 @@ impl<const N: usize> Flange<N> {
         let (w, x, y, z) = (w * 0.25, x * 0.25, y * 0.25, z * 0.25);
         let [x_WC, y_WC, z_WC] = arm.wrist_center;
         // Along the flange's axis, the third column of the rotation.
-        let (along_x, along_y) = (
-            (x * z + w * y) * (2.0 * g.d6),
-            (y * z - w * x) * (2.0 * g.d6),
-        );
-        let along_z = (x * x + y * y) * (-2.0 * g.d6) + g.d6;
+        let twice = 2.0 * g.d6;
         Self {
-            position: [x_WC + along_x, y_WC + along_y, z_WC + along_z],
+            position: [
+                sum((x, z), (w, y)).scaled_plus(twice, x_WC),
+                difference((y, z), (w, x)).scaled_plus(twice, y_WC),
+                sum((x, x), (y, y)).scaled_plus(-twice, z_WC + g.d6),
+            ],
             rotation: [w, x, y, z],
         }
     }
@@ -146,26 +204,33 @@ impl<const N: usize> Flange<N> {
 
 /// A quaternion times `1 + sine * i`: a twist of ±90 degrees about X, but for the length.
 #[inline(always)]
-fn twisted<const N: usize>([w, x, y, z]: [Lanes<N>; 4], sine: f64) -> [Lanes<N>; 4] {
-    [w - x * sine, x + w * sine, y + z * sine, z - y * sine]
+fn twisted<N: Number>([w, x, y, z]: [N; 4], sine: f64) -> [N; 4] {
+    [
+        x.scaled_plus(-sine, w),
+        w.scaled_plus(sine, x),
+        z.scaled_plus(sine, y),
+        y.scaled_plus(-sine, z),
+    ]
 }
 
 /// The product of two quaternions, real part first.
 #[inline(always)]
-fn product<const N: usize>(
-    [aw, ax, ay, az]: [Lanes<N>; 4],
-    [bw, bx, by, bz]: [Lanes<N>; 4],
-) -> [Lanes<N>; 4] {
+fn product<N: Number>([aw, ax, ay, az]: [N; 4], [bw, bx, by, bz]: [N; 4]) -> [N; 4] {
     [
-        aw * bw - ax * bx - ay * by - az * bz,
-        aw * bx + ax * bw + ay * bz - az * by,
-        aw * by - ax * bz + ay * bw + az * bx,
-        aw * bz + ax * by - ay * bx + az * bw,
+        plus((-az, bz), plus((-ay, by), difference((aw, bw), (ax, bx)))),
+        plus((-az, by), plus((ay, bz), sum((aw, bx), (ax, bw)))),
+        plus((az, bx), plus((ay, bw), difference((aw, by), (ax, bz)))),
+        plus((az, bw), plus((-ay, bx), sum((aw, bz), (ax, by)))),
     ]
 }
 
+#[inline(always)]
+fn plus<N: Number>((a, b): (N, N), rest: N) -> N {
+    a.times_plus(b, rest)
+}
+
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use nalgebra::Matrix4;
     use proptest::prelude::*;
 
@@ -175,7 +240,7 @@ mod tests {
     use units::{Degrees, Millimeters, Radians};
 
     /// Any arm the closed form covers: every mix of twists, with a lateral offset.
-    fn any_table() -> impl Strategy<Value = [DhLink; 6]> {
+    pub(crate) fn any_table() -> impl Strategy<Value = [DhLink; 6]> {
         let sign = prop::array::uniform4(prop::sample::select(vec![-1.0, 1.0]));
         let length = prop::array::uniform8(-900.0..900.0_f64);
         (sign, length).prop_map(|([s1, s3, s4, s5], [d1, d2, d3, d4, d6, a1, a2, a3])| {
@@ -205,9 +270,11 @@ mod tests {
             let product = Axis::ALL.into_iter().fold(Matrix4::identity(), |so_far, axis| {
                 so_far * axis.of(&links).transform(Radians(axis.of(&q)))
             });
-            let flange = flange(&Geometry::try_from_dh(&links).unwrap(), &joints);
-            let difference = flange.isometry().to_homogeneous() - product;
-            prop_assert!(difference.amax() < 1e-11, "{}", difference);
+            for level in [Level::new(), Level::baseline()] {
+                let flange = flange(level, &Geometry::try_from_dh(&links).unwrap(), &joints);
+                let difference = flange.isometry().to_homogeneous() - product;
+                prop_assert!(difference.amax() < 1e-11, "{}", difference);
+            }
         }
     }
 }

@@ -1,151 +1,151 @@
-//! Several numbers at once: the four arm postures of a pose go through the same arithmetic side by
-//! side.
+//! Several numbers at once: the four arm postures of a pose, or four poses, go through the same
+//! arithmetic side by side.
 //!
-//! Plain arrays and loops of a fixed length, which the compiler turns into vector instructions.
-//! There are no branches: what a posture does not have is computed all the same and discarded at
-//! the end.
+//! A [`Lane`] is a vector register of four numbers, with whatever instructions the machine has: the
+//! crate `fearless_simd` picks them at run time. There are no branches: what a posture does not
+//! have is computed all the same and discarded at the end.
 #![expect(
     clippy::inline_always,
-    reason = "a function with AVX2 is made of what is inlined into it, and a call a lane would undo the point of lanes"
+    reason = "a function with AVX2 is made of what is inlined into it"
 )]
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// `N` numbers, each in its own lane.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(transparent)]
-pub(crate) struct Lanes<const N: usize>(pub(crate) [f64; N]);
+use crate::joints::PendantJoints;
 
-impl<const N: usize> Lanes<N> {
-    /// The same number in every lane.
-    #[inline(always)]
-    pub(crate) fn all(value: f64) -> Self {
-        Self([value; N])
-    }
+pub(crate) use fearless_simd::prelude::*;
+pub(crate) use fearless_simd::{Level, dispatch, mask64x4};
 
-    #[inline(always)]
-    pub(crate) fn map(mut self, f: impl Fn(f64) -> f64) -> Self {
-        // Not the array's own `map`, which is not always inlined.
-        for a in &mut self.0 {
-            *a = f(*a);
+/// Which instructions a model's functions are made of; see [`crate::ArmModel::with`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Instructions {
+    /// What every machine of this kind has.
+    Portable,
+    /// AVX2 with fused multiplication and addition, of x86 processors.
+    Avx2,
+    /// The best of this machine.
+    Best,
+}
+
+impl Instructions {
+    pub(crate) fn level(self) -> Option<Level> {
+        match self {
+            Instructions::Portable => Some(Level::baseline()),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Instructions::Avx2 => Level::new().as_avx2().map(Level::Avx2),
+            #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+            Instructions::Avx2 => None,
+            Instructions::Best => Some(Level::new()),
         }
-        self
+    }
+}
+
+/// Four numbers.
+pub(crate) type Lane<S> = fearless_simd::f64x4<S>;
+
+/// How many numbers a [`Lane`] has.
+pub(crate) const LANES: usize = 4;
+
+/// A number, or four of them.
+pub(crate) trait Number:
+    Copy
+    + Neg<Output = Self>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Add<f64, Output = Self>
+    + Sub<f64, Output = Self>
+    + Mul<f64, Output = Self>
+{
+    /// `self * factor + summand`, rounded once where the machine can.
+    fn times_plus(self, factor: Self, summand: Self) -> Self;
+
+    /// The same with a factor for all lanes.
+    fn scaled_plus(self, factor: f64, summand: Self) -> Self;
+
+    /// A number in as many lanes as this one has.
+    fn like(self, value: f64) -> Self;
+}
+
+impl Number for f64 {
+    #[inline(always)]
+    fn times_plus(self, factor: Self, summand: Self) -> Self {
+        // Not mul_add, which is a call into the C library where the machine does not have it.
+        self * factor + summand
     }
 
-    /// Which lanes are so.
     #[inline(always)]
-    pub(crate) fn test(self, f: impl Fn(f64) -> bool) -> [bool; N] {
-        let mut which = [false; N];
-        for (which, a) in which.iter_mut().zip(self.0) {
-            *which = f(a);
-        }
-        which
+    fn scaled_plus(self, factor: f64, summand: Self) -> Self {
+        self * factor + summand
     }
 
     #[inline(always)]
-    pub(crate) fn zip(mut self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        for (a, b) in self.0.iter_mut().zip(other.0) {
-            *a = f(*a, b);
-        }
-        self
+    fn like(self, value: f64) -> Self {
+        value
+    }
+}
+
+impl<S: Simd> Number for Lane<S> {
+    #[inline(always)]
+    fn times_plus(self, factor: Self, summand: Self) -> Self {
+        self.mul_add(factor, summand)
     }
 
-    /// With the lanes that are `which` taken from `other`.
     #[inline(always)]
-    pub(crate) fn replaced(mut self, which: [bool; N], other: Self) -> Self {
-        for ((lane, which), other) in self.0.iter_mut().zip(which).zip(other.0) {
-            if which {
-                *lane = other;
+    fn scaled_plus(self, factor: f64, summand: Self) -> Self {
+        self.mul_add(factor, summand)
+    }
+
+    #[inline(always)]
+    fn like(self, value: f64) -> Self {
+        Lane::splat(self.simd, value)
+    }
+}
+
+/// `a * b + c * d`
+#[inline(always)]
+pub(crate) fn sum<N: Number>((a, b): (N, N), (c, d): (N, N)) -> N {
+    a.times_plus(b, c * d)
+}
+
+/// `a * b - c * d`
+#[inline(always)]
+pub(crate) fn difference<N: Number>((a, b): (N, N), (c, d): (N, N)) -> N {
+    a.times_plus(b, -(c * d))
+}
+
+/// The joints of up to four sets, a lane each; lanes beyond them are 0.
+#[inline(always)]
+pub(crate) fn side_by_side<S: Simd>(simd: S, joints: &[PendantJoints]) -> [Lane<S>; 6] {
+    let mut rows = [[0.0; LANES]; 6];
+    for (lane, joints) in joints.iter().enumerate().take(LANES) {
+        for (row, value) in rows.iter_mut().zip(joints.radians()) {
+            if let Some(cell) = row.get_mut(lane) {
+                *cell = value;
             }
         }
-        self
     }
-
-    #[inline(always)]
-    pub(crate) fn sqrt(self) -> Self {
-        self.map(f64::sqrt)
-    }
-
-    /// `1 / self`
-    #[inline(always)]
-    pub(crate) fn recip(self) -> Self {
-        self.map(|a| 1.0 / a)
-    }
-}
-
-impl<const N: usize> Add for Lanes<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        self.zip(other, |a, b| a + b)
-    }
-}
-
-impl<const N: usize> Sub for Lanes<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        self.zip(other, |a, b| a - b)
-    }
-}
-
-impl<const N: usize> Mul for Lanes<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        self.zip(other, |a, b| a * b)
-    }
-}
-
-impl<const N: usize> Neg for Lanes<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        self.map(|a| -a)
-    }
-}
-
-/// A number is the same in every lane.
-impl<const N: usize> Add<f64> for Lanes<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: f64) -> Self {
-        self.map(|a| a + other)
-    }
-}
-
-impl<const N: usize> Sub<f64> for Lanes<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: f64) -> Self {
-        self.map(|a| a - other)
-    }
-}
-
-impl<const N: usize> Mul<f64> for Lanes<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, other: f64) -> Self {
-        self.map(|a| a * other)
-    }
+    let [a, b, c, d, e, f] = rows;
+    [
+        Lane::simd_from(simd, a),
+        Lane::simd_from(simd, b),
+        Lane::simd_from(simd, c),
+        Lane::simd_from(simd, d),
+        Lane::simd_from(simd, e),
+        Lane::simd_from(simd, f),
+    ]
 }
 
 /// Rows become columns: what belongs to one lane, side by side.
 #[inline(always)]
-pub(crate) fn transpose<const ROWS: usize, const N: usize>(
-    rows: &[Lanes<N>; ROWS],
-) -> [[f64; ROWS]; N] {
-    let mut columns = [[0.0; ROWS]; N];
-    let mut index = 0;
-    while index < ROWS {
-        if let Some(row) = rows.get(index) {
-            for (column, value) in columns.iter_mut().zip(row.0) {
-                if let Some(cell) = column.get_mut(index) {
-                    *cell = value;
-                }
-            }
-        }
-        index += 1;
+pub(crate) fn transpose<S: Simd, const ROWS: usize>(
+    rows: &[Lane<S>; ROWS],
+) -> [[f64; ROWS]; LANES] {
+    let mut columns = [[0.0; ROWS]; LANES];
+    let [first, second, third, fourth] = &mut columns;
+    let cells = first.iter_mut().zip(second).zip(third).zip(fourth);
+    for (row, (((a, b), c), d)) in rows.iter().zip(cells) {
+        [*a, *b, *c, *d] = (*row).into();
     }
     columns
 }
@@ -156,7 +156,10 @@ mod tests {
 
     #[test]
     fn rows_become_columns() {
-        let rows = [Lanes([1.0, 2.0, 3.0]), Lanes([4.0, 5.0, 6.0])];
-        assert_eq!(transpose(&rows), [[1.0, 4.0], [2.0, 5.0], [3.0, 6.0]]);
+        let columns = dispatch!(Level::new(), simd => {
+            let row = |numbers: [f64; 4]| Lane::simd_from(simd, numbers);
+            transpose(&[row([1.0, 2.0, 3.0, 4.0]), row([5.0, 6.0, 7.0, 8.0])])
+        });
+        assert_eq!(columns, [[1.0, 5.0], [2.0, 6.0], [3.0, 7.0], [4.0, 8.0]]);
     }
 }

@@ -11,6 +11,11 @@ use crate::model::ArmModel;
 /// this much.
 pub(crate) const ROUNDING_DEG: f64 = 1e-9;
 
+/// Highest jerk of a joint whose model file gives none, for each unit of its highest acceleration, 1/s.
+///
+/// ASSUMPTION: the whole acceleration is there after a tenth of a second. Manufacturers publish none.
+pub(crate) const JERK_PER_ACCELERATION: f64 = 10.0;
+
 /// The range of a joint, as the pendant counts it; both ends are inside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {

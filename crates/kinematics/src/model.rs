@@ -2,9 +2,10 @@
 
 use std::sync::LazyLock;
 
-use units::{DegPerSec, DegPerSec2, Degrees, Millimeters};
+use units::{DegPerSec, DegPerSec2, DegPerSec3, Degrees, Millimeters};
 
 use crate::branches::{Branches, Solution};
+use crate::capsule::Capsule;
 use crate::configuration::{Configuration, Elbow, Flip, Front, turns_of};
 use crate::coupling::Coupling;
 use crate::dh::DhLink;
@@ -13,7 +14,7 @@ use crate::geometry::Geometry;
 use crate::ik_error::IkError;
 use crate::inverse;
 use crate::joints::{Axis, ChainJoints, PendantJoints};
-use crate::lanes::Lanes;
+use crate::lanes::{Instructions, Level};
 use crate::limits::{LimitViolations, Limits};
 use crate::model_file::{self, ModelError};
 use crate::pose::Pose;
@@ -44,9 +45,13 @@ pub struct ArmModel {
     pub(crate) limits: [Limits; 6],
     pub(crate) max_speeds: [DegPerSec; 6],
     pub(crate) max_accelerations: [DegPerSec2; 6],
+    pub(crate) max_jerks: [DegPerSec3; 6],
     pub(crate) home: PendantJoints,
     /// The angles, in radians, about which a solution's joints are shown.
     pub(crate) shown_middles: [f64; 6],
+    /// The instructions its functions are made of.
+    pub(crate) level: Level,
+    pub(crate) capsules: Vec<Capsule>,
 }
 
 impl ArmModel {
@@ -73,6 +78,19 @@ impl ArmModel {
     #[must_use]
     pub fn builtin_names() -> &'static [&'static str] {
         &["fanuc-m20ia", "fanuc-m20ia-machine"]
+    }
+
+    /// The same arm, computed with other instructions; `None` if this machine does not have them.
+    ///
+    /// A model that was read uses the best there are; the others are to compare with. The results
+    /// are the same but for rounding.
+    #[must_use]
+    pub fn with(&self, instructions: Instructions) -> Option<ArmModel> {
+        let level = instructions.level()?;
+        Some(ArmModel {
+            level,
+            ..self.clone()
+        })
     }
 
     /// As in the file, `fanuc-m20ia`.
@@ -111,6 +129,12 @@ impl ArmModel {
         axis.of(&self.max_accelerations)
     }
 
+    /// The highest jerk of an axis: how fast its acceleration may change.
+    #[must_use]
+    pub fn max_jerk(&self, axis: Axis) -> DegPerSec3 {
+        axis.of(&self.max_jerks)
+    }
+
     /// Where the arm stands when a cell starts.
     #[must_use]
     pub fn home(&self) -> PendantJoints {
@@ -123,22 +147,22 @@ impl ArmModel {
         Millimeters(self.geometry.reach)
     }
 
+    /// The capsules the arm is made of, for checks of collisions; none if the model file has none.
+    #[must_use]
+    pub fn capsules(&self) -> &[Capsule] {
+        &self.capsules
+    }
+
     /// The chain's angles of the pendant's joints.
     #[must_use]
     pub fn chain(&self, joints: &PendantJoints) -> ChainJoints {
-        let chain = self
-            .coupling
-            .chain(&joints.radians().map(|joint| Lanes([joint])));
-        ChainJoints::from_radians(chain.map(|Lanes([angle])| angle))
+        ChainJoints::from_radians(self.coupling.chain(&joints.radians()))
     }
 
     /// The pendant's joints of the chain's angles; the inverse of [`Self::chain`].
     #[must_use]
     pub fn pendant(&self, joints: &ChainJoints) -> PendantJoints {
-        let pendant = self
-            .coupling
-            .pendant(&joints.radians().map(|angle| Lanes([angle])));
-        PendantJoints::from_radians(pendant.map(|Lanes([joint])| joint))
+        PendantJoints::from_radians(self.coupling.pendant(&joints.radians()))
     }
 
     /// `X_WF`, the flange in the world, at `joints`; translation in millimeters.
@@ -147,7 +171,7 @@ impl ArmModel {
     /// [`Self::check_limits`].
     #[must_use]
     pub fn forward(&self, joints: &PendantJoints) -> Pose {
-        forward::flange(&self.geometry, &self.chain(joints))
+        forward::flange(self.level, &self.geometry, &self.chain(joints))
     }
 
     /// Are all joints inside their limits?

@@ -1,13 +1,15 @@
 //! Reading and checking model files.
 
 use serde::Deserialize;
-use units::{DegPerSec, DegPerSec2, Degrees, Millimeters, Radians};
+use units::{DegPerSec, DegPerSec2, DegPerSec3, Degrees, Millimeters, Radians};
 
+use crate::capsule::{CapsuleEntry, CapsuleError, expect_capsules};
 use crate::coupling::Coupling;
 use crate::dh::DhLink;
 use crate::geometry::{Geometry, NotCovered};
 use crate::joints::{Axis, PendantJoints};
-use crate::limits::Limits;
+use crate::lanes::Level;
+use crate::limits::{JERK_PER_ACCELERATION, Limits};
 use crate::model::ArmModel;
 
 /// No link of an arm is longer.
@@ -95,6 +97,9 @@ pub enum ModelError {
         /// What it must be called.
         wanted: Axis,
     },
+    /// A capsule of the arm's shape that is none.
+    #[error(transparent)]
+    Capsule(#[from] CapsuleError),
     /// The name is empty.
     #[error("{key} is empty; it must be a text")]
     Empty {
@@ -125,6 +130,8 @@ struct ModelFile {
     manufacturer: String,
     no_flip_j5: Sign,
     joints: Vec<JointEntry>,
+    #[serde(default)]
+    capsules: Vec<CapsuleEntry>,
 }
 
 #[derive(Deserialize)]
@@ -149,6 +156,7 @@ struct JointEntry {
     max_deg: f64,
     max_speed_deg_s: f64,
     max_acceleration_deg_s2: f64,
+    max_jerk_deg_s3: Option<f64>,
     home_deg: f64,
 }
 
@@ -162,6 +170,7 @@ struct Joint {
     limits: Limits,
     max_speed: DegPerSec,
     max_acceleration: DegPerSec2,
+    max_jerk: DegPerSec3,
     home: f64,
 }
 
@@ -216,8 +225,11 @@ pub(crate) fn read(text: &str) -> Result<ArmModel, ModelError> {
         limits: joints.map(|joint| joint.limits),
         max_speeds: joints.map(|joint| joint.max_speed),
         max_accelerations: joints.map(|joint| joint.max_acceleration),
+        max_jerks: joints.map(|joint| joint.max_jerk),
         home: PendantJoints::from_degrees(joints.map(|joint| joint.home)),
         shown_middles: shown_middles(&joints.map(|joint| joint.limits)),
+        level: Level::new(),
+        capsules: expect_capsules(&file.capsules, Axis::ALL.len())?,
     })
 }
 
@@ -290,6 +302,11 @@ fn check(axis: Axis, entry: &JointEntry) -> Result<Joint, ModelError> {
     } else {
         (&[0], "0: only J3 is coupled")
     };
+    let acceleration = positive(
+        "max_acceleration_deg_s2",
+        entry.max_acceleration_deg_s2,
+        10.0 * MAX_SPEED_DEG_S,
+    )?;
     Ok(Joint {
         link: DhLink {
             d: Millimeters(length("d_mm", entry.d_mm)?),
@@ -305,10 +322,13 @@ fn check(axis: Axis, entry: &JointEntry) -> Result<Joint, ModelError> {
             entry.max_speed_deg_s,
             MAX_SPEED_DEG_S,
         )?),
-        max_acceleration: DegPerSec2(positive(
-            "max_acceleration_deg_s2",
-            entry.max_acceleration_deg_s2,
-            10.0 * MAX_SPEED_DEG_S,
+        max_acceleration: DegPerSec2(acceleration),
+        max_jerk: DegPerSec3(positive(
+            "max_jerk_deg_s3",
+            entry
+                .max_jerk_deg_s3
+                .unwrap_or(JERK_PER_ACCELERATION * acceleration),
+            1000.0 * MAX_SPEED_DEG_S,
         )?),
         home,
     })

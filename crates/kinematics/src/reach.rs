@@ -1,17 +1,20 @@
 //! Reachability maps: which of many poses an arm reaches, and in how many ways.
+#![expect(
+    clippy::inline_always,
+    reason = "a function with AVX2 is made of what is inlined into it"
+)]
 
 use std::num::NonZeroUsize;
 
-use crate::batch::{Group, solve_group};
+use crate::batch::{Group, solve_group_with};
 use crate::joints::Axis;
+use crate::lanes::{LANES, Simd, dispatch};
 use crate::limits::ROUNDING_DEG;
 use crate::model::ArmModel;
 use crate::pose::Pose;
 
 /// More threads than this are no help, and cost memory.
 const MAX_THREADS: usize = 256;
-/// Poses that go together to one thread.
-const LANES: usize = 4;
 
 /// How an arm reaches a pose.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -69,6 +72,11 @@ impl ArmModel {
     }
 
     fn fill(&self, poses: &[Pose], map: &mut [Reach]) {
+        dispatch!(self.level, simd => self.fill_with(simd, poses, map));
+    }
+
+    #[inline(always)]
+    fn fill_with<S: Simd>(&self, simd: S, poses: &[Pose], map: &mut [Reach]) {
         let limits = Axis::ALL.map(|axis| {
             let limits = self.limits(axis);
             (
@@ -78,8 +86,8 @@ impl ArmModel {
         });
         let mut group = Group::none();
         for (poses, map) in poses.chunks(LANES).zip(map.chunks_mut(LANES)) {
-            solve_group(self, poses, &mut group);
-            for (reach, (solutions, inside)) in map.iter_mut().zip(group.count(&limits)) {
+            solve_group_with(simd, self, poses, &mut group);
+            for (reach, (solutions, inside)) in map.iter_mut().zip(group.count(simd, &limits)) {
                 *reach = Reach { solutions, inside };
             }
         }

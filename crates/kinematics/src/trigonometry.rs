@@ -5,12 +5,17 @@
 //! digits; each is off by less than 2e-17 before rounding. Tests compare with the standard library.
 #![expect(
     clippy::inline_always,
-    reason = "a function with AVX2 is made of what is inlined into it, and a call a lane would undo the point of lanes"
+    reason = "a function with AVX2 is made of what is inlined into it"
 )]
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, PI};
 
-use crate::lanes::Lanes;
+use fearless_simd::u64x4;
+
+use crate::lanes::{Lane, Number, Select, Simd, SimdBase, SimdFloat, SimdMask};
+
+/// Sine and cosine.
+pub(crate) type Turn<S> = (Lane<S>, Lane<S>);
 
 /// Beyond this many radians the reduction loses digits, and the standard library takes over.
 const MAX_ANGLE: f64 = 1e5;
@@ -61,74 +66,151 @@ const ARC_TANGENT: [f64; 11] = [
 /// tan(pi / 8): above it the arc tangent is taken from pi / 4.
 const TAN_PI_8: f64 = 0.414_213_562_373_095_03;
 
-/// Sine and cosine of each lane.
+/// Sine and cosine of each lane of each vector.
 #[inline(always)]
-pub(crate) fn sin_cos<const N: usize>(angles: Lanes<N>) -> (Lanes<N>, Lanes<N>) {
-    // A NaN is not below the bound either.
-    if angles.0.iter().all(|angle| angle.abs() < MAX_ANGLE) {
-        sin_cos_reduced(angles)
+pub(crate) fn sin_cos<S: Simd, const K: usize>(angles: [Lane<S>; K]) -> [Turn<S>; K] {
+    let mut small = true;
+    for angle in angles {
+        // A NaN is not below the bound either.
+        small &= angle.abs().simd_lt(MAX_ANGLE).all_true();
+    }
+    if small {
+        sin_cos_of_small(angles)
     } else {
-        (angles.map(f64::sin), angles.map(f64::cos))
+        sin_cos_of_any(angles)
     }
 }
 
+/// One by one, by the standard library.
+#[cold]
+fn sin_cos_of_any<S: Simd, const K: usize>(angles: [Lane<S>; K]) -> [Turn<S>; K] {
+    angles.map(|angle| {
+        let (mut sines, mut cosines) = (angle, angle);
+        for (sine, cosine) in sines.iter_mut().zip(cosines.iter_mut()) {
+            (*sine, *cosine) = sine.sin_cos();
+        }
+        (sines, cosines)
+    })
+}
+
+/// The same for angles known to be small: beyond 1e5 radians digits are lost.
 #[inline(always)]
-fn sin_cos_reduced<const N: usize>(angles: Lanes<N>) -> (Lanes<N>, Lanes<N>) {
-    let shifted = angles.map(|angle| angle * FRAC_2_PI + ROUND);
-    let quarters = shifted - ROUND;
-    let x = angles - quarters * HALF_PI_HIGH - quarters * HALF_PI_MIDDLE - quarters * HALF_PI_LOW;
-    let z = x * x;
-    let sine = x + x * z * polynomial(z, &SINE);
-    let half = z * 0.5;
-    let one_minus_half = half.map(|half| 1.0 - half);
-    // What the subtraction from 1 rounded away comes back.
-    let cosine = one_minus_half
-        + (one_minus_half.map(|rounded| 1.0 - rounded) - half + z * z * polynomial(z, &COSINE));
-    let mut result = (sine, cosine);
-    for ((s, c), shifted) in result.0.0.iter_mut().zip(&mut result.1.0).zip(shifted.0) {
-        let quadrant = shifted.to_bits();
-        // Odd quarter turns exchange sine and cosine; the second bit is their sign. All without a
-        // branch.
-        let exchange = (quadrant & 1).wrapping_neg();
-        let (sine_bits, cosine_bits) = (s.to_bits(), c.to_bits());
-        let difference = (sine_bits ^ cosine_bits) & exchange;
-        let sine_sign = (quadrant & 2) << 62;
-        let cosine_sign = (quadrant.wrapping_add(1) & 2) << 62;
-        *s = f64::from_bits(sine_bits ^ difference ^ sine_sign);
-        *c = f64::from_bits(cosine_bits ^ difference ^ cosine_sign);
+pub(crate) fn sin_cos_of_small<S: Simd, const K: usize>(angles: [Lane<S>; K]) -> [Turn<S>; K] {
+    let mut reduced = angles;
+    let mut squares = angles;
+    let mut quadrants = angles;
+    let each = reduced.iter_mut().zip(&mut squares).zip(&mut quadrants);
+    for ((x, z), shifted) in each {
+        let angle = *x;
+        *shifted = angle.mul_add(FRAC_2_PI, ROUND);
+        let quarters = *shifted - ROUND;
+        *x = quarters.scaled_plus(-HALF_PI_HIGH, angle);
+        *x = quarters.scaled_plus(-HALF_PI_MIDDLE, *x);
+        *x = quarters.scaled_plus(-HALF_PI_LOW, *x);
+        *z = *x * *x;
     }
-    result
+    let mut sines = polynomial(squares, &SINE);
+    let mut cosines = polynomial(squares, &COSINE);
+    let turns = sines.iter_mut().zip(&mut cosines);
+    for ((sine, cosine), (x, z)) in turns.zip(reduced.into_iter().zip(squares)) {
+        let one_minus_half = z.mul_add(-0.5, 1.0);
+        // What the subtraction from 1 rounded away comes back.
+        let rounded_away = z.scaled_plus(-0.5, -one_minus_half + 1.0);
+        *sine = (x * z).times_plus(*sine, x);
+        *cosine = one_minus_half + (z * z).times_plus(*cosine, rounded_away);
+    }
+    let mut turns = angles.map(|angle| (angle, angle));
+    for ((turn, shifted), (sine, cosine)) in turns
+        .iter_mut()
+        .zip(quadrants)
+        .zip(sines.into_iter().zip(cosines))
+    {
+        *turn = in_quadrant(shifted.to_bits(), sine, cosine);
+    }
+    turns
 }
 
-/// The angle of each lane's direction, from -pi to pi; the length does not matter. 0 if there is no
-/// direction.
+/// Odd quarter turns exchange sine and cosine; the second bit is their sign. All without a branch.
 #[inline(always)]
-pub(crate) fn atan2<const N: usize>(y: Lanes<N>, x: Lanes<N>) -> Lanes<N> {
-    let (tall, wide) = (y.map(f64::abs), x.map(f64::abs));
-    let small = tall.zip(wide, |a, b| if a < b { a } else { b });
-    let large = tall.zip(wide, |a, b| if a < b { b } else { a });
-    // Above pi / 8 the tangent of the difference to pi / 4.
-    let threshold = large * TAN_PI_8;
-    let beyond = small.zip(threshold, |a, b| if a > b { 1.0 } else { 0.0 });
-    let numerator = small - large * beyond;
-    let denominator = (large + small * beyond).map(|d| d + f64::MIN_POSITIVE);
-    let t = numerator * denominator.recip();
-    let z = t * t;
-    let angle = t - t * z * polynomial(z, &ARC_TANGENT) + beyond * FRAC_PI_4;
-    let steep = tall.zip(wide, |a, b| if a > b { 1.0 } else { 0.0 });
-    let angle = steep * FRAC_PI_2 + angle * steep.map(|s| 1.0 - 2.0 * s);
-    let behind = x.map(|x| if x < 0.0 { 1.0 } else { 0.0 });
-    let angle = behind * PI + angle * behind.map(|b| 1.0 - 2.0 * b);
-    angle.zip(y, f64::copysign)
+fn in_quadrant<S: Simd>(quadrant: u64x4<S>, sine: Lane<S>, cosine: Lane<S>) -> Turn<S> {
+    let exchange = u64x4::splat(quadrant.simd, 0) - (quadrant & 1);
+    let (sine, cosine) = (sine.to_bits(), cosine.to_bits());
+    let difference = (sine ^ cosine) & exchange;
+    let sine_sign = (quadrant & 2) << 62;
+    let cosine_sign = ((quadrant + 1) & 2) << 62;
+    (
+        Lane::from_bits(sine ^ difference ^ sine_sign),
+        Lane::from_bits(cosine ^ difference ^ cosine_sign),
+    )
 }
 
-/// By Horner.
+/// The angle of each lane's direction, given as sine and cosine, from -pi to pi; the length does
+/// not matter. 0 if there is no direction.
 #[inline(always)]
-fn polynomial<const N: usize, const TERMS: usize>(z: Lanes<N>, terms: &[f64; TERMS]) -> Lanes<N> {
-    terms
-        .iter()
-        .rev()
-        .fold(Lanes::all(0.0), |sum, term| sum * z + *term)
+pub(crate) fn angles<S: Simd, const K: usize>(directions: [Turn<S>; K]) -> [Lane<S>; K] {
+    let mut tangents = directions.map(|(y, _)| y);
+    let mut squares = tangents;
+    let mut offsets = tangents;
+    let each = tangents.iter_mut().zip(&mut squares).zip(&mut offsets);
+    for (((t, z), offset), (y, x)) in each.zip(directions) {
+        let zero = Lane::splat(y.simd, 0.0);
+        let (tall, wide) = (y.abs(), x.abs());
+        // With a NaN the comparison fails, and the NaN stays on either side.
+        let steep = tall.simd_gt(wide);
+        let (small, large) = (steep.select(wide, tall), steep.select(tall, wide));
+        // Above pi / 8 the tangent of the difference to pi / 4.
+        let beyond = small.simd_gt(large * TAN_PI_8);
+        let numerator = small - beyond.select(large, zero);
+        let denominator = large + beyond.select(small, zero) + f64::MIN_POSITIVE;
+        *t = numerator / denominator;
+        *z = *t * *t;
+        *offset = beyond.select(Lane::splat(y.simd, FRAC_PI_4), zero);
+    }
+    let mut angles = polynomial(squares, &ARC_TANGENT);
+    let parts = tangents.into_iter().zip(squares).zip(offsets);
+    for ((angle, ((t, z), offset)), (y, x)) in angles.iter_mut().zip(parts).zip(directions) {
+        let octant = (t * z).times_plus(-*angle, t) + offset;
+        let steep = y.abs().simd_gt(x.abs());
+        let quarter = steep.select(-octant + FRAC_PI_2, octant);
+        let half = x.simd_lt(0.0).select(-quarter + PI, quarter);
+        *angle = half.copysign(y);
+    }
+    angles
+}
+
+/// The even and the odd powers by themselves, which is half the wait of Horner's rule; a factor is
+/// loaded once for all vectors.
+#[inline(always)]
+fn polynomial<S: Simd, const TERMS: usize, const K: usize>(
+    z: [Lane<S>; K],
+    terms: &[f64; TERMS],
+) -> [Lane<S>; K] {
+    let (pairs, last) = terms.as_chunks::<2>();
+    let (mut even, mut odd, mut square) = (z, z, z);
+    for square in &mut square {
+        *square = *square * *square;
+    }
+    let Some(([a, b], pairs)) = pairs.split_last() else {
+        return z;
+    };
+    for ((even, odd), square) in even.iter_mut().zip(&mut odd).zip(square) {
+        let simd = square.simd;
+        *odd = Lane::splat(simd, *b);
+        *even = match last {
+            [c] => Lane::splat(simd, *c).mul_add(square, *a),
+            _ => Lane::splat(simd, *a),
+        };
+    }
+    for [a, b] in pairs.iter().rev() {
+        for ((even, odd), square) in even.iter_mut().zip(&mut odd).zip(square) {
+            *even = even.mul_add(square, *a);
+            *odd = odd.mul_add(square, *b);
+        }
+    }
+    for ((even, odd), z) in even.iter_mut().zip(odd).zip(z) {
+        *even = odd.times_plus(z, *even);
+    }
+    even
 }
 
 #[cfg(test)]
@@ -136,26 +218,48 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::lanes::{Level, dispatch};
+
+    /// The best instructions of this machine, and those of every machine of its kind.
+    const LEVELS: [fn() -> Level; 2] = [Level::new, Level::baseline];
 
     /// Two roundings of a number near 1.
     const CLOSE: f64 = 2.5e-16;
 
     fn assert_sin_cos(angle: f64) {
-        let (sine, cosine) = sin_cos(Lanes([angle]));
-        let (s, c) = angle.sin_cos();
-        assert!(
-            (sine.0[0] - s).abs() <= CLOSE && (cosine.0[0] - c).abs() <= CLOSE,
-            "{angle}"
-        );
+        for level in LEVELS {
+            let (sine, cosine) = sin_cos_at(level(), angle);
+            let (s, c) = angle.sin_cos();
+            assert!(
+                (sine - s).abs() <= CLOSE && (cosine - c).abs() <= CLOSE,
+                "{angle}"
+            );
+        }
     }
 
     fn assert_atan2(y: f64, x: f64) {
-        let angle = atan2(Lanes([y]), Lanes([x])).0[0];
-        assert!(
-            (angle - y.atan2(x)).abs() <= 4.0 * CLOSE,
-            "{y} {x}: {angle} {}",
-            y.atan2(x)
-        );
+        for level in LEVELS {
+            let angle = atan2_at(level(), y, x);
+            assert!(
+                (angle - y.atan2(x)).abs() <= 4.0 * CLOSE,
+                "{y} {x}: {angle} {}",
+                y.atan2(x)
+            );
+        }
+    }
+
+    fn sin_cos_at(level: Level, angle: f64) -> (f64, f64) {
+        dispatch!(level, simd => {
+            let [(sine, cosine)] = sin_cos([Lane::splat(simd, angle)]);
+            (sine[0], cosine[0])
+        })
+    }
+
+    fn atan2_at(level: Level, y: f64, x: f64) -> f64 {
+        dispatch!(level, simd => {
+            let [angle] = angles([(Lane::splat(simd, y), Lane::splat(simd, x))]);
+            angle[0]
+        })
     }
 
     #[test]
@@ -180,15 +284,19 @@ mod tests {
                 }
             }
         }
-        assert_eq!(atan2(Lanes([0.0]), Lanes([0.0])), Lanes([0.0]));
+        for level in LEVELS {
+            assert_eq!(atan2_at(level(), 0.0, 0.0).to_bits(), 0.0_f64.to_bits());
+        }
     }
 
     #[test]
     fn what_is_not_a_number_stays_so() {
-        assert!(sin_cos(Lanes([f64::NAN])).0.0[0].is_nan());
-        assert!(sin_cos(Lanes([f64::INFINITY])).1.0[0].is_nan());
-        assert!(atan2(Lanes([f64::NAN]), Lanes([1.0])).0[0].is_nan());
-        assert!(atan2(Lanes([1.0]), Lanes([f64::NAN])).0[0].is_nan());
+        for level in LEVELS {
+            assert!(sin_cos_at(level(), f64::NAN).0.is_nan());
+            assert!(sin_cos_at(level(), f64::INFINITY).1.is_nan());
+            assert!(atan2_at(level(), f64::NAN, 1.0).is_nan());
+            assert!(atan2_at(level(), 1.0, f64::NAN).is_nan());
+        }
     }
 
     proptest! {

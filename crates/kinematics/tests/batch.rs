@@ -8,8 +8,9 @@ mod support;
 
 use std::num::NonZeroUsize;
 
-use kinematics::{Axis, PendantJoints, Pose, Reach, ReachError};
-use support::{apart_but_for_turns, arm, assert_same_pose, inside};
+use kinematics::serial::SerialArm;
+use kinematics::{ArmModel, Axis, PendantJoints, Pose, Reach, ReachError};
+use support::{apart_but_for_turns, arm, assert_same_pose, builds, inside};
 
 /// Poses all over the ranges, every seventh one singular, every eleventh out of reach.
 fn poses(count: u32) -> Vec<Pose> {
@@ -33,19 +34,25 @@ fn poses(count: u32) -> Vec<Pose> {
 
 #[test]
 fn a_batch_gives_the_joint_sets_of_one_pose_at_a_time() {
+    for arm in builds() {
+        assert_batch_is_one_at_a_time(&arm);
+    }
+}
+
+fn assert_batch_is_one_at_a_time(arm: &ArmModel) {
     let poses = poses(2001);
     let mut seen = 0;
-    arm().inverse_batch(&poses, |index, sets| {
+    arm.inverse_batch(&poses, |index, sets| {
         assert_eq!(index, seen);
         seen += 1;
-        let pose = &poses[index];
-        let alone: Vec<_> = arm().inverse_all(pose).map_or(Vec::new(), |found| {
+        let pose = poses.get(index).unwrap();
+        let alone: Vec<_> = arm.inverse_all(pose).map_or(Vec::new(), |found| {
             found.iter().map(|solution| solution.joints).collect()
         });
         assert_eq!(sets.len(), alone.len(), "{index}");
         assert_eq!(sets.is_empty(), alone.is_empty());
         for joints in sets.iter() {
-            assert_same_pose(&arm().forward(&joints), pose, "batch");
+            assert_same_pose(&arm.forward(&joints), pose, "batch");
             let near = alone
                 .iter()
                 .any(|other| apart_but_for_turns(other, &joints) < 1e-6);
@@ -53,6 +60,60 @@ fn a_batch_gives_the_joint_sets_of_one_pose_at_a_time() {
         }
     });
     assert_eq!(seen, poses.len());
+}
+
+#[test]
+fn poses_and_jacobians_of_a_batch_are_those_of_one_set_at_a_time() {
+    let part = |k: u32, i: u32| (f64::from(k) * 0.618_034 * f64::from(i)).fract();
+    for arm in builds() {
+        // One more than a whole number of groups, and one set many turns away.
+        let mut joints: Vec<_> = (1..=200)
+            .map(|k| inside(&arm, [1, 2, 3, 5, 7, 11].map(|i| part(k, i))))
+            .collect();
+        joints.push(PendantJoints::from_degrees([
+            1e8, 10.0, 20.0, 30.0, 40.0, 50.0,
+        ]));
+        let mut seen = 0;
+        arm.forward_batch(&joints, |index, pose| {
+            assert_eq!(index, seen);
+            seen += 1;
+            let wanted = arm.forward(joints.get(index).unwrap());
+            let (apart, turned) = pose.distance_to(&wanted);
+            assert!(apart.0 < 1e-11 && turned.0 < 1e-14, "{apart} {turned}");
+        });
+        assert_eq!(seen, joints.len());
+        seen = 0;
+        arm.jacobian_batch(&joints, |index, jacobian| {
+            assert_eq!(index, seen);
+            seen += 1;
+            let wanted = arm.jacobian(joints.get(index).unwrap());
+            assert!((jacobian - wanted).amax() < 1e-11);
+        });
+        assert_eq!(seen, joints.len());
+        arm.forward_batch(&[], |_, _| panic!("there is none"));
+    }
+}
+
+#[test]
+fn the_jacobian_is_that_of_the_arm_of_any_joints() {
+    let part = |k: u32, i: u32| (f64::from(k) * 0.618_034 * f64::from(i)).fract();
+    for name in ArmModel::builtin_names() {
+        let (closed, any) = (
+            ArmModel::builtin(name).unwrap(),
+            SerialArm::builtin(name).unwrap(),
+        );
+        for k in 1..100 {
+            let joints = inside(closed, [1, 2, 3, 5, 7, 11].map(|i| part(k, i)));
+            let wanted = any
+                .jacobian(&any.joints(&joints.degrees()).unwrap())
+                .unwrap();
+            let difference = wanted - closed.jacobian(&joints);
+            assert!(
+                difference.amax() < 1e-10,
+                "{name} at {joints}: {difference}"
+            );
+        }
+    }
 }
 
 #[test]

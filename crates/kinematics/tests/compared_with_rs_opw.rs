@@ -3,16 +3,20 @@
 //! Its arm is described by seven lengths, joint offsets and signs; J2 and J3 are coupled on the
 //! pendant only, so the pendant's J3 + J2 is its J3.
 #![expect(non_snake_case, reason = "frames are part of a pose's name")]
+#![expect(
+    clippy::unwrap_used,
+    reason = "helpers of tests, where clippy.toml's exception does not reach"
+)]
 
 mod support;
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use kinematics::{PendantJoints, Pose};
+use kinematics::{ArmModel, PendantJoints, Pose};
 use rs_opw_kinematics::kinematic_traits::Kinematics;
 use rs_opw_kinematics::kinematics_impl::OPWKinematics;
 use rs_opw_kinematics::parameters::opw_kinematics::Parameters;
-use support::{arm, inside};
+use support::{arm, builds, inside};
 
 fn peer() -> OPWKinematics {
     OPWKinematics::new(Parameters {
@@ -71,8 +75,11 @@ fn apart(a: &[f64; 6], b: &[f64; 6]) -> f64 {
 
 #[test]
 fn both_arms_are_the_same() {
-    for joints in random_joints(100) {
-        let ours = peer_pose(&arm().forward(&joints));
+    for (joints, arm) in random_joints(100)
+        .into_iter()
+        .flat_map(|joints| builds().into_iter().map(move |arm| (joints, arm)))
+    {
+        let ours = peer_pose(&arm.forward(&joints));
         let theirs = peer().forward(&to_peer(&joints));
         assert!(
             (ours.translation - theirs.translation).length() < 1e-12,
@@ -87,11 +94,17 @@ fn both_arms_are_the_same() {
 
 #[test]
 fn every_branch_of_each_is_found_by_the_other() {
+    for arm in builds() {
+        assert_same_branches(&arm);
+    }
+}
+
+fn assert_same_branches(arm: &ArmModel) {
     let peer = peer();
     let mut solutions = 0;
     for joints in random_joints(5000) {
-        let X_WF = arm().forward(&joints);
-        let ours: Vec<_> = arm()
+        let X_WF = arm.forward(&joints);
+        let ours: Vec<_> = arm
             .inverse_all(&X_WF)
             .unwrap()
             .iter()

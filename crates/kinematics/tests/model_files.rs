@@ -5,10 +5,11 @@ mod support;
 use std::error::Error;
 use std::fmt::Write;
 
+use kinematics::serial::SerialArm;
 use kinematics::{ArmModel, Axis, Seed};
 use proptest::prelude::*;
 use support::{apart_but_for_turns, arm, assert_same_pose, inside, joints};
-use units::{DegPerSec, Degrees};
+use units::{DegPerSec, DegPerSec3, Degrees};
 
 const M20IA: &str = include_str!("../models/fanuc_m20ia.toml");
 
@@ -50,10 +51,57 @@ fn every_built_in_model_is_valid() {
 }
 
 #[test]
+fn a_capsule_that_is_none_is_refused_by_number_and_item() {
+    let refused_by_both = |text: &str, wanted: &str| {
+        assert_eq!(refused(text), wanted);
+        let serial = SerialArm::from_toml(text).unwrap_err();
+        assert_eq!(serial.to_string(), wanted);
+    };
+    refused_by_both(
+        &with("radius_mm", 2, "0.0"),
+        "capsule 2: radius is 0; sizes are positive, coordinates within 100 m",
+    );
+    refused_by_both(
+        &with("radius_mm", 1, "nan"),
+        "capsule 1: radius is NaN; sizes are positive, coordinates within 100 m",
+    );
+    refused_by_both(
+        &with("from_mm", 4, "[0.0, -inf, 0.0]"),
+        "capsule 4: from is -inf; sizes are positive, coordinates within 100 m",
+    );
+    refused_by_both(
+        &with("to_mm", 3, "[0.0, 0.0, 2e5]"),
+        "capsule 3: to is 200000; sizes are positive, coordinates within 100 m",
+    );
+    refused_by_both(
+        &with("link", 8, "7"),
+        "capsule 8 is on link 7; links are 0 to 6",
+    );
+    let many = "[[capsules]]\nlink = 1\nfrom_mm = [0.0, 0.0, 0.0]\nto_mm = [0.0, 0.0, 0.0]\nradius_mm = 1.0\n";
+    refused_by_both(
+        &format!("{M20IA}\n{}", many.repeat(64)),
+        "72 capsules; an arm has at most 64",
+    );
+    assert!(refused(&with("from_mm", 1, "[0.0, 0.0]")).starts_with("reading the model file"));
+    assert_eq!(arm().capsules().len(), 8);
+    let serial = SerialArm::builtin("fanuc-m20ia").unwrap();
+    assert_eq!(serial.capsules(), arm().capsules());
+}
+
+#[test]
 fn the_m20ia_is_as_its_sources_say() {
     assert_eq!(arm().manufacturer(), "FANUC");
     assert_eq!(arm().limits(Axis::J3).max, Degrees(200.0));
     assert_eq!(arm().max_speed(Axis::J6), DegPerSec(550.0));
+    // Not in the file: ten times the acceleration. In it: what it says.
+    assert_eq!(arm().max_jerk(Axis::J1), DegPerSec3(3900.0));
+    let given = with(
+        "max_acceleration_deg_s2",
+        1,
+        "390.0\nmax_jerk_deg_s3 = 1234.0",
+    );
+    let given = ArmModel::from_toml(&given).unwrap();
+    assert_eq!(given.max_jerk(Axis::J1), DegPerSec3(1234.0));
     assert_eq!(arm().home(), joints([0.0, 0.0, 0.0, 0.0, -90.0, 0.0]));
     assert!((arm().dh()[1].a.0 - 790.0).abs() < 1e-12);
 }
@@ -83,6 +131,10 @@ fn a_file_that_is_wrong_is_refused_by_key_and_value() {
             "J3: j2_coupling is 5; it must be -1, 0 or 1",
         ),
         (with("name", 1, "\" \""), "name is empty; it must be a text"),
+        (
+            with("max_acceleration_deg_s2", 6, "1.0\nmax_jerk_deg_s3 = -1.0"),
+            "J6: max_jerk_deg_s3 is -1; it must be above 0 and not above 10000000",
+        ),
         (
             with("max_speed_deg_s", 6, "0.0"),
             "J6: max_speed_deg_s is 0; it must be above 0 and not above 10000",

@@ -5,7 +5,7 @@
     reason = "helpers of tests, where clippy.toml's exception does not reach"
 )]
 
-use kinematics::serial::{DlsError, DlsOptions, SerialArm, Task, Twist, VelocityError};
+use kinematics::serial::{DlsError, DlsOptions, SerialArm, Task, Twist, VelocityError, WristError};
 use kinematics::{Pose, Xyzwpr};
 use nalgebra::Vector3;
 use units::{Degrees, Millimeters};
@@ -35,6 +35,94 @@ fn six_joints_make_any_velocity() {
     // 0.1 of 195 deg/s.
     assert!((rates.load - 0.1 / 195_f64.to_radians()).abs() < 1e-12);
     assert_eq!(rates.rank, 6);
+}
+
+/// By hand: the M-20iA with all joints at 0 but J5 = -90: the wrist center is 985 from axis 1, 835
+/// before and 1040 - 790 = 250 above the elbow. J1 moves it along Y by 985; J2 alone, the forearm
+/// keeping its direction, along X by 790; J3 turns the forearm: (-250, 0, 835). So `det J11 = +-
+/// 985 * 790 * 835`. Axes 4, 5 and 6 are at right angles: `det J22 = +-1`.
+#[test]
+fn the_determinant_is_the_arms_times_the_wrists() {
+    let arm = arm("fanuc-m20ia");
+    let home = arm.home();
+    let parts = arm.singularity_decomposition(&home).unwrap();
+    assert!((parts.arm_determinant().abs() - 985.0 * 790.0 * 835.0).abs() < 1e-3);
+    assert!((parts.wrist_determinant().abs() - 1.0).abs() < 1e-12);
+    assert!(!parts.is_singular());
+
+    let mut seen = 0;
+    for name in ["fanuc-m20ia", "fanuc-m20ia-machine", "textbook-6r"] {
+        let arm = SerialArm::builtin(name).unwrap();
+        for k in 1..200_u32 {
+            let part =
+                |i: usize| (f64::from(k) * 0.618_034 * [1.0, 2.0, 3.0, 5.0, 7.0, 11.0][i]).fract();
+            let shown: Vec<f64> = arm
+                .joint_list()
+                .iter()
+                .enumerate()
+                .map(|(i, joint)| {
+                    joint
+                        .kind
+                        .shown(joint.min + part(i) * (joint.max - joint.min))
+                })
+                .collect();
+            let joints = arm.joints(&shown).unwrap();
+            let parts = arm.singularity_decomposition(&joints).unwrap();
+            let whole: nalgebra::Matrix6<f64> = arm
+                .jacobian(&joints)
+                .unwrap()
+                .fixed_columns::<6>(0)
+                .into_owned();
+            let (product, whole) = (parts.determinant(), whole.determinant());
+            let scale = arm.span().powi(3);
+            assert!((product - whole).abs() < 1e-12 * scale, "{product} {whole}");
+            let rank = arm.dexterity(&joints, Task::Pose).unwrap().rank;
+            assert_eq!(parts.is_singular(), rank < 6);
+            seen += 1;
+        }
+    }
+    assert_eq!(seen, 3 * 199);
+}
+
+#[test]
+fn the_decomposition_says_what_is_singular() {
+    let serial = arm("fanuc-m20ia");
+    let ranks = |degrees: [f64; 6]| {
+        let joints = serial.joints(&degrees).unwrap();
+        let parts = serial.singularity_decomposition(&joints).unwrap();
+        let rank = serial.dexterity(&joints, Task::Pose).unwrap().rank;
+        assert_eq!(parts.is_singular(), rank < 6, "{degrees:?}");
+        (parts.arm_rank, parts.wrist_rank)
+    };
+    assert_eq!(ranks([10.0, 20.0, 30.0, 40.0, 0.0, 60.0]), (3, 2));
+    // Stretched: the forearm, 835 along and 250 across, points along the upper arm.
+    let stretched = 835.0_f64.atan2(250.0).to_degrees();
+    assert_eq!(ranks([10.0, 0.0, stretched, 40.0, 50.0, 60.0]), (2, 3));
+    assert_eq!(ranks([10.0, 0.0, stretched, 40.0, 0.0, 60.0]), (2, 2));
+    // The wrist center on axis 1: 100 below a flange that looks up.
+    let closed = kinematics::ArmModel::builtin("fanuc-m20ia").unwrap();
+    let above = Xyzwpr::new(
+        [0.0, 0.0, 1000.0].map(Millimeters),
+        [30.0, 0.0, 0.0].map(Degrees),
+    );
+    let mut above = *Pose::try_from_xyzwpr(&above).unwrap().isometry();
+    above.translation.vector =
+        Vector3::new(0.0, 0.0, 900.0) + above.rotation * Vector3::z() * 100.0;
+    let above = Pose::try_from_isometry(above).unwrap();
+    for solution in &closed.inverse_all(&above).unwrap() {
+        assert_eq!(ranks(solution.joints.degrees()), (2, 3));
+    }
+}
+
+#[test]
+fn an_arm_without_a_spherical_wrist_has_no_decomposition() {
+    let seven = arm("seven-joint");
+    let error = seven.singularity_decomposition(&seven.home()).unwrap_err();
+    assert!(matches!(error, WristError::NotCovered { .. }), "{error}");
+    let five = arm("five-link");
+    let other = seven.home();
+    let error = five.singularity_decomposition(&other).unwrap_err();
+    assert!(matches!(error, WristError::Joints(_)), "{error}");
 }
 
 /// (1.91): five joints can move so only if the velocity lies in what they can do.

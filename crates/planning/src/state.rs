@@ -81,6 +81,44 @@ impl State {
         }
     }
 
+    /// After how many seconds of constant `jerk` the position is reached. Within `most` seconds it is, and until then the
+    /// velocity is not below zero.
+    ///
+    /// Newton's method between two times; halving where it would leave them.
+    pub(crate) fn time_to(self, position: f64, jerk: f64, most: f64) -> f64 {
+        let way = position - self.position;
+        if way <= 0.0 {
+            return 0.0;
+        }
+        let (mut low, mut high) = (0.0, most);
+        let from_rest = (6.0 * way / jerk).cbrt();
+        let mut time = if self.velocity > 0.0 || self.acceleration > 0.0 || from_rest.is_nan() {
+            0.5 * most
+        } else {
+            from_rest.min(most)
+        };
+        for _ in 0..100 {
+            let there = self.after(time, jerk);
+            let miss = there.position - position;
+            if miss < 0.0 {
+                low = time;
+            } else {
+                high = time;
+            }
+            let newton = time - miss / there.velocity;
+            let next = if newton > low && newton < high {
+                newton
+            } else {
+                0.5 * (low + high)
+            };
+            if (next - time).abs() <= 2.0 * f64::EPSILON * most {
+                return next;
+            }
+            time = next;
+        }
+        time
+    }
+
     pub(crate) fn mirrored(self) -> State {
         State {
             position: -self.position,

@@ -9,7 +9,9 @@
 
 use kinematics::{ArmModel, Axis, PendantJoints, Pose, Xyzwpr};
 use planning::Sampling;
-use planning::arm::{ArmError, ArmPath, ArmShape, Capsule, Obstacle, Scene, transfer};
+use planning::arm::{
+    ArmError, ArmPath, ArmShape, Capsule, Obstacle, Scene, Touch, Touched, transfer,
+};
 use units::{Degrees, Millimeters};
 
 const MARGIN: Millimeters = Millimeters(20.0);
@@ -69,6 +71,29 @@ fn start_and_goal() -> (PendantJoints, PendantJoints) {
     )
 }
 
+/// A transfer that does not move: is the arm free there?
+fn stand(
+    shape: &ArmShape,
+    scene: &Scene,
+    joints: &PendantJoints,
+    margin: f64,
+) -> Result<ArmPath, ArmError> {
+    let sampling = Sampling::default();
+    let margin = Millimeters(margin);
+    transfer(arm(), shape, scene, joints, joints, margin, &sampling)
+}
+
+/// What is touched at the start.
+fn touch_at(shape: &ArmShape, scene: &Scene, joints: &PendantJoints, margin: f64) -> Touch {
+    match stand(shape, scene, joints, margin).unwrap_err() {
+        ArmError::Touches {
+            end: "start",
+            touch,
+        } => touch,
+        other => panic!("{other}"),
+    }
+}
+
 fn plan(scene: &Scene, seed: u64) -> Result<ArmPath, ArmError> {
     let (start, goal) = start_and_goal();
     let sampling = Sampling {
@@ -96,29 +121,10 @@ fn the_capsules_end_where_the_forward_kinematics_ends() {
         let p = arm().forward(&joints).isometry().translation.vector;
         // The face of the box is 40 above the flange: 35 from the ball.
         let scene = Scene::try_new(&[cuboid([p.x, p.y, p.z + 50.0], [20.0; 3])]).unwrap();
-        let refused = |margin: f64| {
-            let sampling = Sampling::default();
-            let margin = Millimeters(margin);
-            transfer(
-                arm(),
-                &flange_only,
-                &scene,
-                &joints,
-                &joints,
-                margin,
-                &sampling,
-            )
-        };
-        assert!(refused(34.9).is_ok());
-        match refused(35.1).unwrap_err() {
-            ArmError::Touches {
-                end: "start",
-                touch,
-            } => {
-                assert!((touch.distance.0 - 35.0).abs() < 1e-6, "{touch}");
-            }
-            other => panic!("{other}"),
-        }
+        assert!(stand(&flange_only, &scene, &joints, 34.9).is_ok());
+        let touch = touch_at(&flange_only, &scene, &joints, 35.1);
+        assert_eq!(touch.obstacle, Touched::Obstacle(1));
+        assert!((touch.distance.0 - 35.0).abs() < 1e-6, "{touch}");
     }
 }
 
@@ -134,12 +140,7 @@ fn a_cylinder_stands_along_z() {
     let home = arm().home();
     let distance = |obstacle: Obstacle| {
         let scene = Scene::try_new(&[obstacle]).unwrap();
-        let margin = Millimeters(1000.0);
-        let sampling = Sampling::default();
-        match transfer(arm(), &base, &scene, &home, &home, margin, &sampling).unwrap_err() {
-            ArmError::Touches { touch, .. } => touch.distance.0,
-            other => panic!("{other}"),
-        }
+        touch_at(&base, &scene, &home, 1000.0).distance.0
     };
     let cylinder = |x: f64, z: f64| Obstacle::Cylinder {
         pose: at(x, 0.0, z),
@@ -177,6 +178,12 @@ fn a_transfer_among_ten_obstacles_succeeds_with_every_seed() {
 
 /// In steps ten times finer than the planner's, with the smallest margin there is.
 fn touches_nothing(path: &ArmPath, scene: &Scene) {
+    // Thinner by the margin less 1, measured with the margin 1.
+    let thin = ArmShape::skeleton(arm(), Millimeters(89.0)).unwrap();
+    is_free_all_the_way(path, &thin, scene);
+}
+
+fn is_free_all_the_way(path: &ArmPath, shape: &ArmShape, scene: &Scene) {
     for pair in path.points().windows(2) {
         let (a, b) = (pair[0].degrees(), pair[1].degrees());
         for step in 0..=400 {
@@ -184,14 +191,127 @@ fn touches_nothing(path: &ArmPath, scene: &Scene) {
             let joints: [f64; 6] = std::array::from_fn(|i| a[i] + share * (b[i] - a[i]));
             let joints = PendantJoints::from_degrees(joints);
             assert!(arm().check_limits(&joints).is_ok());
-            // Thinner by the margin less 1, measured with the margin 1.
-            let thin = ArmShape::skeleton(arm(), Millimeters(89.0)).unwrap();
-            let sampling = Sampling::default();
-            let margin = Millimeters(1.0);
-            let here = transfer(arm(), &thin, scene, &joints, &joints, margin, &sampling);
+            let here = stand(shape, scene, &joints, 1.0);
             assert!(here.is_ok(), "{}", here.unwrap_err());
         }
     }
+}
+
+fn nothing() -> Scene {
+    Scene::try_new(&[]).unwrap()
+}
+
+#[test]
+fn every_arm_that_can_be_planned_for_has_a_shape() {
+    for name in ArmModel::builtin_names() {
+        let arm = ArmModel::builtin(name).unwrap();
+        let shape = ArmShape::of_model(arm).unwrap();
+        assert_eq!(shape.capsules(), arm.capsules());
+        let (home, sampling) = (arm.home(), Sampling::default());
+        let here = transfer(arm, &shape, &nothing(), &home, &home, MARGIN, &sampling);
+        assert!(here.is_ok(), "{name}: {}", here.unwrap_err());
+    }
+}
+
+#[test]
+fn a_model_file_without_capsules_has_no_shape() {
+    let text = include_str!("../../kinematics/models/fanuc_m20ia.toml");
+    let bare = text.split("[[capsules]]").next().unwrap();
+    let error = ArmShape::of_model(&ArmModel::from_toml(bare).unwrap()).unwrap_err();
+    assert!(matches!(error, ArmError::Capsules { count: 0, .. }));
+}
+
+#[test]
+fn an_arm_folded_into_its_foot_is_refused() {
+    // Both angles -70 degrees, all in the plane of x and z: the elbow joint is at 150 - 790 sin 70
+    // and 790 cos 70, the forearm's axis begins 250 beside it and points 70 degrees down for 835:
+    // the wrist is at (-71.847, -428.943). From there to the lower end of the foot, (0, -375), it
+    // is 85.964 across the forearm's axis; less the radii 150 and 70 that is -134.036.
+    let folded = PendantJoints::from_degrees([0.0, -70.0, -70.0, 0.0, -90.0, 0.0]);
+    let shape = ArmShape::of_model(arm()).unwrap();
+    let touch = touch_at(&shape, &nothing(), &folded, 20.0);
+    assert_eq!((touch.capsule, touch.obstacle), (1, Touched::Capsule(7)));
+    assert!((touch.distance.0 + 134.036).abs() < 1e-2, "{touch}");
+    assert_eq!(
+        touch.to_string(),
+        "capsule 1 is -134.0 mm from capsule 7 of the arm itself; the margin is 20 mm"
+    );
+    // A large margin to obstacles is not one to the arm itself.
+    assert!(stand(&shape, &nothing(), &arm().home(), 900.0).is_ok());
+}
+
+#[test]
+fn a_tool_is_kept_from_the_arm() {
+    // Half a meter out of the flange, and bent back: with J5 at 140 degrees it points at the
+    // forearm.
+    let hook = Capsule {
+        link: 6,
+        from: [0.0, 0.0, 150.0],
+        to: [0.0, 0.0, 500.0],
+        radius: 30.0,
+    };
+    let bare = ArmShape::of_model(arm()).unwrap();
+    let shape = bare.with(arm(), &[hook]).unwrap();
+    let tool_at = |j5: f64| PendantJoints::from_degrees([0.0, 0.0, 0.0, 0.0, j5, 0.0]);
+    assert!(stand(&shape, &nothing(), &tool_at(-90.0), 20.0).is_ok());
+    assert!(stand(&bare, &nothing(), &tool_at(-140.0), 20.0).is_ok());
+    // The tool's near end is at 250 from the wrist center, 40 degrees off the forearm's axis:
+    // 250 sin 40 = 160.7 from it, less the radii 70 and 30; the other end is farther.
+    let long = Capsule {
+        radius: 100.0,
+        ..hook
+    };
+    let shape = bare.with(arm(), &[long]).unwrap();
+    let touch = touch_at(&shape, &nothing(), &tool_at(-140.0), 20.0);
+    assert_eq!((touch.capsule, touch.obstacle), (7, Touched::Capsule(9)));
+    let wanted = 250.0 * 40.0_f64.to_radians().sin() - 70.0 - 100.0;
+    assert!((touch.distance.0 - wanted).abs() < 1e-6, "{touch}");
+}
+
+#[test]
+fn neighbors_and_what_touches_at_home_are_left_out() {
+    let ball = |link: usize, x: f64| Capsule {
+        link,
+        from: [x, 0.0, 0.0],
+        to: [x, 0.0, 0.0],
+        radius: 50.0,
+    };
+    let free = |capsules: Vec<Capsule>| {
+        let shape = ArmShape::try_new(arm(), capsules).unwrap();
+        stand(&shape, &nothing(), &arm().home(), 20.0).is_ok()
+    };
+    // Frames 4 and 5 have one origin: two balls around it, neighbors, and built so in any case.
+    assert!(free(vec![ball(4, 0.0), ball(5, 0.0)]));
+    assert!(free(vec![ball(3, 0.0), ball(4, 0.0), ball(5, 0.0)]));
+}
+
+#[test]
+fn the_arm_finds_a_way_around_itself() {
+    let shape = ArmShape::of_model(arm()).unwrap();
+    // A bar beside the flange that points back along the arm: half a turn of J6 swings it through
+    // the forearm.
+    let tool = Capsule {
+        link: 6,
+        from: [0.0, 200.0, 0.0],
+        to: [0.0, 200.0, -400.0],
+        radius: 30.0,
+    };
+    let shape = shape.with(arm(), &[tool]).unwrap();
+    let start = PendantJoints::from_degrees([0.0, 0.0, 0.0, 0.0, -90.0, 0.0]);
+    let goal = PendantJoints::from_degrees([0.0, 0.0, 0.0, 0.0, -90.0, -180.0]);
+    let on_the_way = |share: f64| {
+        let (a, b) = (start.degrees(), goal.degrees());
+        PendantJoints::from_degrees(std::array::from_fn(|i| a[i] + share * (b[i] - a[i])))
+    };
+    let blocked = (0..=100)
+        .map(|step| on_the_way(f64::from(step) / 100.0))
+        .filter(|joints| stand(&shape, &nothing(), joints, 20.0).is_err())
+        .count();
+    println!("{blocked} of 101 points of the straight way touch the arm itself");
+    let sampling = Sampling::default();
+    let path = transfer(arm(), &shape, &nothing(), &start, &goal, MARGIN, &sampling).unwrap();
+    assert!(blocked > 0 && path.points().len() > 2);
+    is_free_all_the_way(&path, &shape, &nothing());
 }
 
 #[test]

@@ -22,8 +22,11 @@ fn floor(obstacles: Vec<Polygon>) -> Floor {
     Floor::try_new([0.0, 0.0], [1000.0, 1000.0], obstacles, RADIUS).unwrap()
 }
 
+/// The floor, the start and the goal.
+type Problem = (Floor, Point, Point);
+
 /// A U that opens away from the goal.
-fn bug_trap() -> (Floor, Point, Point) {
+fn bug_trap() -> Problem {
     let trap = Polygon::try_new(vec![
         [300.0, 300.0],
         [650.0, 300.0],
@@ -39,7 +42,7 @@ fn bug_trap() -> (Floor, Point, Point) {
 }
 
 /// A wall with a gap of 70 for a robot of 60.
-fn narrow_passage() -> (Floor, Point, Point) {
+fn narrow_passage() -> Problem {
     let walls = vec![
         rectangle([450.0, 550.0], [0.0, 465.0]),
         rectangle([450.0, 550.0], [535.0, 1000.0]),
@@ -95,14 +98,18 @@ const PASSAGE_LEAST: f64 = 880.4;
 /// The numbers above are rounded.
 const ROUNDED: f64 = 0.2;
 
-#[test]
-fn the_exact_decomposition_solves_trap_and_passage() {
-    for (problem, least, most) in [
+/// The shortest way of each problem, and 3 % more.
+fn trap_and_passage() -> [(Problem, f64, f64); 2] {
+    [
         (bug_trap(), TRAP_LEAST, 1.03 * TRAP_LEAST),
         (narrow_passage(), PASSAGE_LEAST, 1.03 * PASSAGE_LEAST),
-    ] {
+    ]
+}
+
+fn solves_trap_and_passage(plan: impl Fn(&Problem) -> Result<Route, PlaneError>) {
+    for (problem, least, most) in trap_and_passage() {
+        let route = plan(&problem).unwrap();
         let (floor, start, goal) = &problem;
-        let route = trapezoids(floor, *start, *goal).unwrap();
         is_driveable(floor, &route, *start, *goal);
         assert!(
             route.length() >= least - ROUNDED && route.length() <= most,
@@ -110,31 +117,21 @@ fn the_exact_decomposition_solves_trap_and_passage() {
             route.length()
         );
     }
+}
+
+#[test]
+fn the_exact_decomposition_solves_trap_and_passage() {
+    solves_trap_and_passage(|(floor, start, goal)| trapezoids(floor, *start, *goal));
 }
 
 #[test]
 fn the_approximate_decomposition_solves_trap_and_passage() {
-    for (problem, least, most) in [
-        (bug_trap(), TRAP_LEAST, 1.03 * TRAP_LEAST),
-        (narrow_passage(), PASSAGE_LEAST, 1.03 * PASSAGE_LEAST),
-    ] {
-        let (floor, start, goal) = &problem;
-        let route = quadtree(floor, *start, *goal, 2.0).unwrap();
-        is_driveable(floor, &route, *start, *goal);
-        assert!(
-            route.length() >= least - ROUNDED && route.length() <= most,
-            "{}",
-            route.length()
-        );
-    }
+    solves_trap_and_passage(|(floor, start, goal)| quadtree(floor, *start, *goal, 2.0));
 }
 
 #[test]
 fn the_roadmap_solves_trap_and_passage_with_every_seed() {
-    for (problem, least, most) in [
-        (bug_trap(), TRAP_LEAST, 1.03 * TRAP_LEAST),
-        (narrow_passage(), PASSAGE_LEAST, 1.03 * PASSAGE_LEAST),
-    ] {
+    for (problem, least, most) in trap_and_passage() {
         let (floor, start, goal) = &problem;
         let (solved, median, longest) = over_seeds(&problem, |seed| {
             let sampling = Sampling {

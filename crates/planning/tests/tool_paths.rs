@@ -7,7 +7,10 @@
 )]
 
 use kinematics::{ArmModel, Axis, Frames, IkError, PendantJoints, Pose, Seed, Xyzwpr};
-use planning::cartesian::{Extent, PathError, ToolError, ToolLimits, ToolMove, ToolPath};
+use planning::cartesian::{
+    Demands, Extent, PathError, ToolError, ToolFollower, ToolLimits, ToolMove, ToolPath,
+};
+use planning::jerk::{MotionLimits, Progress};
 use units::{Degrees, Millimeters, MmPerSec, MmPerSec2, RadPerSec};
 
 const LIMITS: ToolLimits = ToolLimits {
@@ -297,4 +300,56 @@ fn bad_input_is_refused_by_name() {
     let refused =
         ToolMove::try_new(arm(), &Frames::default(), &path, &LIMITS, &joints(&a), 0.0).unwrap_err();
     assert!(matches!(refused, ToolError::Period { .. }), "{refused}");
+}
+
+#[test]
+fn the_demands_of_a_path_are_those_of_its_derivatives_in_time() {
+    // Around axis 1 with the tool turning along: J1 alone turns by 60 degrees, all else stands still.
+    let at = |degrees: f64| {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        pose(900.0 * cos, 900.0 * sin, 700.0, [180.0, 0.0, degrees])
+    };
+    let path = ToolPath::circle(&at(0.0), &at(30.0), &at(60.0), Extent::Arc).unwrap();
+    assert!((path.radius().unwrap().0 - 900.0).abs() < 1e-6);
+    assert!((path.turning().0.to_degrees() - 60.0).abs() < 1e-6);
+    let frames = Frames::default();
+    let follower = ToolFollower::new(arm(), &frames, &path);
+    let mut all = vec![joints(&at(0.0))];
+    for step in 1..=200 {
+        let step = f64::from(step);
+        let next = follower.follow((step - 1.0) / 200.0, all.last().unwrap(), step / 200.0);
+        all.push(next.unwrap());
+    }
+    let limits = MotionLimits {
+        velocity: 39.0,
+        acceleration: 195.0,
+        jerk: 1950.0,
+    };
+    let progress = Progress::try_new(60.0, limits).unwrap();
+    let demands = Demands::of(arm(), &all, &progress);
+    // 39 of 195 deg/s. 195 of 390 deg/s^2 where the acceleration is held, the mean of 0.1 s about it.
+    assert!((demands.speed.share - 0.2).abs() < 1e-3, "{demands:?}");
+    assert_eq!(demands.acceleration.joint, Axis::J1);
+    assert!(
+        (demands.acceleration.share - 0.5).abs() < 0.05,
+        "{demands:?}"
+    );
+}
+
+#[test]
+fn a_wrist_on_its_own_way_passes_its_singularity_with_the_tool_in_its_place() {
+    let start = PendantJoints::from_degrees([0.0, 10.0, -10.0, 30.0, -40.0, 0.0]);
+    let goal = PendantJoints::from_degrees([20.0, 10.0, -10.0, -20.0, 40.0, 10.0]);
+    let path = ToolPath::line(&arm().forward(&start), &arm().forward(&goal)).unwrap();
+    let frames = Frames::default();
+    let follower = ToolFollower::new(arm(), &frames, &path).with_wrist(&start, &goal);
+    let mut before = start;
+    for step in 1..=50 {
+        let (from, to) = (f64::from(step - 1) / 50.0, f64::from(step) / 50.0);
+        before = follower.follow(from, &before, to).unwrap();
+        let (there, wanted) = (arm().forward(&before), path.pose_at(to).unwrap());
+        near(position(&there), position(&wanted), 1e-6);
+        assert!((before.of(Axis::J5).0 - (-40.0 + 80.0 * to)).abs() < 1e-9);
+    }
+    assert_eq!(before, goal);
 }

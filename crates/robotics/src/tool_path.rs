@@ -1,7 +1,8 @@
 //! The tool along a path.
 
+use api::arms::ArmOutside;
 use api::trajectory::{ToolPathBody, ToolPathFailure, ToolPathKind, ToolPathResult};
-use kinematics::{ArmModel, Axis, IkError, Pose, Seed};
+use kinematics::{ArmModel, Axis, IkError, LimitViolations, Pose, Seed};
 use planning::State;
 use planning::cartesian::{Extent, PathError, Sample, ToolError, ToolLimits, ToolMove, ToolPath};
 use planning::jerk::MotionLimits;
@@ -261,6 +262,21 @@ fn failure(error: &ToolError) -> Result<ToolPathFailure, Refusal> {
             ),
             outside: Vec::new(),
         }),
+        ToolError::Wrist { parameter } => Ok(ToolPathFailure {
+            parameter: shown(*parameter),
+            pose: None,
+            reason: "no place of the arm keeps the tool on the path".to_owned(),
+            outside: Vec::new(),
+        }),
+        ToolError::WristLimits {
+            parameter,
+            violations,
+        } => Ok(ToolPathFailure {
+            parameter: shown(*parameter),
+            pose: None,
+            reason: violations.to_string(),
+            outside: outside_of(violations),
+        }),
         ToolError::StartElsewhere { joint, is, begins } => {
             let index = Axis::ALL.iter().position(|axis| axis == joint).unwrap_or(0);
             let Degrees(value) = is;
@@ -279,15 +295,7 @@ fn failure(error: &ToolError) -> Result<ToolPathFailure, Refusal> {
 
 fn unreachable(parameter: f64, pose: Option<&Pose>, error: &IkError) -> ToolPathFailure {
     let outside = match error {
-        IkError::JointLimit { violations, .. } => violations
-            .iter()
-            .map(|violation| api::arms::ArmOutside {
-                joint: violation.joint.to_string(),
-                value_deg_mm: shown(violation.value.0),
-                min_deg_mm: violation.limits.min.0,
-                max_deg_mm: violation.limits.max.0,
-            })
-            .collect(),
+        IkError::JointLimit { violations, .. } => outside_of(violations),
         IkError::OutOfReach { .. }
         | IkError::NoSolutionInConfiguration { .. }
         | IkError::NotFinite(_) => Vec::new(),
@@ -298,4 +306,16 @@ fn unreachable(parameter: f64, pose: Option<&Pose>, error: &IkError) -> ToolPath
         reason: error.to_string(),
         outside,
     }
+}
+
+fn outside_of(violations: &LimitViolations) -> Vec<ArmOutside> {
+    violations
+        .iter()
+        .map(|violation| ArmOutside {
+            joint: violation.joint.to_string(),
+            value_deg_mm: shown(violation.value.0),
+            min_deg_mm: violation.limits.min.0,
+            max_deg_mm: violation.limits.max.0,
+        })
+        .collect()
 }

@@ -111,6 +111,10 @@ quantity!(
     /// An angular acceleration in degrees a second squared.
     DegPerSec2, "\u{b0}/s\u{b2}"
 );
+quantity!(
+    /// An angular jerk in degrees a second cubed.
+    DegPerSec3, "\u{b0}/s\u{b3}"
+);
 
 impl From<Degrees> for Radians {
     fn from(angle: Degrees) -> Self {

@@ -249,13 +249,15 @@ impl Controller {
         let tasks = self.tasks.iter().filter(|_| !frozen);
         let tasks = tasks.filter_map(|task| match &task.phase {
             Phase::Ready => Some(self.hardware.now),
-            Phase::Waiting(Wait::Until(time) | Wait::ReadableUntil(_, time)) => Some(*time),
-            Phase::Waiting(_) | Phase::Over => None,
+            Phase::Waiting(Wait::Until(time) | Wait::ReadableUntil(_, time)) => {
+                Some(task.look.map_or(*time, |look| look.min(*time)))
+            }
+            Phase::Waiting(_) => task.look,
+            // Its condition handlers look when it has its next share, not before.
             Phase::Resting => Some(task.period.saturating_add(SHARE_PERIOD)),
+            Phase::Over => None,
         });
-        let looks = self.tasks.iter().filter_map(|task| task.look);
         tasks
-            .chain(looks)
             .chain(self.machine.next_due())
             .chain(self.hardware.executor.next_due())
             .chain(self.hardware.gripper_arrives())

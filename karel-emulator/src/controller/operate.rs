@@ -235,9 +235,7 @@ impl Controller {
     /// RESET: no alarm is active any more and the drives get power, unless the emergency stop is still pressed or the
     /// servos have no power.
     pub fn reset(&mut self) {
-        if self.hardware.power_drives() {
-            self.hardware.alarms.reset();
-        }
+        let _done = self.hardware.reset_alarms();
     }
 
     fn raise_alarm(

@@ -6,7 +6,6 @@ use super::{Controller, Task};
 use crate::fidelity::{Fidelity, Note, Profile};
 use crate::hardware::gripping::Gripper;
 use crate::ledger::seconds;
-use crate::motion::path::INTERPOLATION_PERIOD_S;
 use crate::state::{JointLimit, State, TagView, TaskState, TaskWord};
 
 impl Controller {
@@ -19,7 +18,7 @@ impl Controller {
             generation: hardware.generation,
             version: hardware.generation.version().to_owned(),
             byte_order: self.machine.byte_order().into(),
-            interpolation_period_ms: INTERPOLATION_PERIOD_S * 1000.0,
+            interpolation_period_ms: hardware.interpolation_period.millis(),
             missing_options: hardware.missing.iter().copied().collect(),
         }
     }
@@ -99,6 +98,7 @@ impl Controller {
                 .collect(),
             ports: hardware.ports.view(),
             fidelity: hardware.fidelity,
+            generation: hardware.generation,
             note_seq: hardware.notes.last_seq(),
             active_alarms: hardware.alarms.active(),
             ledger_seq: hardware.ledger.last_seq(),

@@ -187,7 +187,7 @@ impl Controller {
                 }
             }
             let slice = self.machine.run(id, 1, &mut self.hardware);
-            used += slice.used.max(1);
+            used = used.saturating_add(slice.used);
             wake_by = slice.wake_by;
             if slice.run != Run::OutOfFuel || self.hardware.missing_call.is_some() {
                 let run = slice.run;

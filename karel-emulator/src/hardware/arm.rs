@@ -26,9 +26,6 @@ const MOTN_VIA: Status = Status::new(15, 54);
 /// MOTN-998: the motion was cancelled. A number of our own.
 const MOTN_CANCELLED: Status = Status::new(15, 998);
 
-/// How old the position is that programs see, at most.
-const FEEDBACK_PERIOD: Duration = Duration::from_millis(8);
-
 /// The motion group of the arm; there is no other.
 const GROUP: i32 = 1;
 
@@ -154,7 +151,7 @@ impl Hardware {
     pub(super) fn reported_joints(&self) -> PendantJoints {
         let mut at = self.now;
         if self.executor.is_moving() {
-            let into = at.as_nanos() % FEEDBACK_PERIOD.as_nanos();
+            let into = at.as_nanos() % self.interpolation_period.duration().as_nanos();
             at -= Duration::from_nanos(u64::try_from(into).unwrap_or(0));
         }
         self.executor.joints(at)

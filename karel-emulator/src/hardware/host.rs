@@ -12,7 +12,6 @@ use super::Hardware;
 use super::arm::only_group;
 use super::operator::OperatingMode;
 use crate::motion::convert::{joint_position, pendant_joints};
-use crate::motion::path::INTERPOLATION_PERIOD_S;
 use crate::ports::SetInputError;
 use crate::sysvars::Reading;
 
@@ -22,7 +21,11 @@ impl Host for Hardware {
     }
 
     fn interpolation_period(&self) -> Duration {
-        Duration::from_secs_f64(INTERPOLATION_PERIOD_S)
+        self.interpolation_period.duration()
+    }
+
+    fn reset(&mut self) -> bool {
+        self.reset_alarms()
     }
 
     fn explain(&mut self, _task: TaskId, place: (&str, u32), why: &dyn Fn() -> String) {

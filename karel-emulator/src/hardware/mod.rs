@@ -21,8 +21,8 @@ use std::time::Duration;
 
 use karel::{AlarmSeverity, FileId, MotionId, ProgramAlarm, RuntimeError, Status, TaskId, Wait};
 
-use crate::alarms::{Alarm, AlarmLog, Severity};
-use crate::config::{ControllerConfig, Hosts, ScreenSink};
+use crate::alarms::{Alarm, AlarmLog, Severity, meaning};
+use crate::config::{ControllerConfig, Hosts, InterpolationPeriod, ScreenSink};
 use crate::controller::CmosMemory;
 use crate::devices::Devices;
 use crate::effects::{ConnectionId, Effect, Tag};
@@ -68,6 +68,7 @@ pub(crate) struct Hardware {
     pub(crate) override_limit: Option<i32>,
     pub(crate) fidelity: Fidelity,
     pub(crate) generation: ControllerGeneration,
+    pub(crate) interpolation_period: InterpolationPeriod,
     pub(crate) notes: Notes,
     /// Options that the controller was delivered without.
     pub(crate) missing: BTreeSet<ControllerOption>,
@@ -179,6 +180,7 @@ impl Hardware {
             override_limit: None,
             fidelity: config.fidelity,
             generation: config.generation,
+            interpolation_period: config.interpolation_period,
             notes: Notes::default(),
             missing: config.missing_options.clone(),
             missing_call: None,
@@ -302,7 +304,11 @@ impl Hardware {
             AlarmSeverity::Abort => Severity::Abort,
         };
         let place = Some((&alarm.program, alarm.line));
-        self.post_at(alarm.status, alarm.text.clone(), severity, place);
+        let text = match alarm.text.as_str() {
+            "" => meaning(alarm.status).to_owned(),
+            text => text.to_owned(),
+        };
+        self.post_at(alarm.status, text, severity, place);
         match alarm.severity {
             AlarmSeverity::Warn => {}
             AlarmSeverity::Pause => self.hold_arm(false),

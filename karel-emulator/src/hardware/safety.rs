@@ -123,12 +123,21 @@ impl Hardware {
     }
 
     /// RESET: the drives get power, unless something still forbids it. Whether they have it.
-    pub(crate) fn power_drives(&mut self) -> bool {
+    pub(super) fn power_drives(&mut self) -> bool {
         let free = self.operator.stops == 0 && !self.operator.servo_off;
         if free {
             self.operator.drives = Drives::On;
         }
         free
+    }
+
+    /// RESET: no alarm is active any more and the drives have power, unless something forbids it. Whether it was done.
+    pub(crate) fn reset_alarms(&mut self) -> bool {
+        let done = self.power_drives();
+        if done {
+            self.alarms.reset();
+        }
+        done
     }
 
     /// Whether the drives have power.

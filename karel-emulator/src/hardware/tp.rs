@@ -145,7 +145,7 @@ impl Hardware {
         let (frame, tool) = self.tp_frames()?;
         let frames = (&frame, &tool);
         let from = self.executor.tail();
-        let target = self.tp_end(motion, &from, frames)?;
+        let target = self.tp_end(motion, &motion.target, &from, frames)?;
         if motion.interpolation == Interpolation::Joint {
             let path = self.tp_joint_path((motion, &target), from, frames, acceleration)?;
             return Ok(self.at_speed_of_mode(path, &tool));
@@ -158,7 +158,10 @@ impl Hardware {
         let pace = (&pace, motion.wrist_joint);
         let path = match &motion.via {
             None => self.planner.linear(from, &target, frames, pace),
-            Some(via) => self.planner.circular(from, (via, &target), frames, pace),
+            Some(via) => {
+                let via = self.tp_end(motion, via, &from, frames)?;
+                self.planner.circular(from, (&via, &target), frames, pace)
+            }
         };
         Ok(self.at_speed_of_mode(path?, &tool))
     }
@@ -199,17 +202,18 @@ impl Hardware {
         }
     }
 
-    /// The target; of `INC`, counted from where the motion starts.
+    /// A position of a motion; of `INC`, counted from where the motion starts, both of them of a `C`.
     fn tp_end(
         &self,
         motion: &TpMotion,
+        position: &TpTarget,
         from: &PendantJoints,
         (frame, tool): (&Position, &Position),
     ) -> Result<TpTarget, Refusal> {
         if !motion.incremental {
-            return Ok(motion.target.clone());
+            return Ok(position.clone());
         }
-        Ok(match &motion.target {
+        Ok(match position {
             TpTarget::Joints(by) => {
                 let mut joints = joint_position(from);
                 for (axis, by) in joints.axes.iter_mut().zip(&by.axes) {

@@ -34,9 +34,9 @@ pub fn overlap_of_a_corner(percent: f64, before: &Path, after: Option<&Path>) ->
     };
     let (one, other) = lengths(before, after);
     let half = 0.5 * one.min(other);
-    // Both are uniformly accelerated there: a way of slope * length * t² / 2.
-    let reach = |path: &Path, length: f64| match path.slope() * length {
-        acceleration if acceleration > 0.0 => (2.0 * half / acceleration).sqrt(),
+    // Braking mirrors accelerating.
+    let reach = |path: &Path, length: f64| match half / length {
+        share if share > 0.0 => path.time_of(share),
         _ => 0.0,
     };
     let overlap = alone.min(after.ramp());

@@ -159,7 +159,8 @@ fn a_smaller_acc_makes_a_longer_rounding() {
         let way = drive(&lines(&corners, 300.0, acceleration), Some(100.0), STEP);
         at_corner(&way, corner, STEP).0
     };
-    assert!(near(0.5) > 1.8 * near(1.0));
+    // With ACC50 300 mm/s take v / a + a / j = 0.3 s instead of 0.2 s: both acceleration and jerk are half.
+    assert!(near(0.5) > 1.4 * near(1.0));
 }
 
 #[test]

@@ -1,24 +1,25 @@
 //! A straight line or an arc of the tool center point, checked along the whole way before the arm moves.
 
 use karel::Status;
-use kinematics::{
-    ArmModel, Axis, Configuration, Frames, IkError, PendantJoints, Pose, PoseError, Seed,
-};
+use kinematics::{ArmModel, Configuration, Frames, PendantJoints, Pose};
+use planning::cartesian::{Demands, Extent, PathError, ToolError, ToolFollower, ToolPath};
+use planning::jerk::{MotionLimits, Progress};
 
-use super::arc::Arc;
-use super::path::{INTERPOLATION_PERIOD_S, Path, SPEED_LIMIT};
+use super::path::{INTERPOLATION_PERIOD_S, Path, SPEED_LIMIT, along};
 use super::planner::{Refusal, ik_refusal};
-use super::profile::Profile;
-use super::wrist::WristJoint;
 
 /// Acceleration of the tool center point, mm/s².
 ///
 /// ASSUMPTION: this and the next two are of the size that arms of this class have; no document gives them.
-pub(super) const ACCELERATION: f64 = 3000.0;
+const ACCELERATION: f64 = 3000.0;
 /// Greatest speed of a change of orientation, deg/s.
 const ROTATION_SPEED: f64 = 180.0;
 /// Acceleration of a change of orientation, deg/s².
 const ROTATION_ACCELERATION: f64 = 720.0;
+/// Jerk of both, for each unit of the acceleration, 1/s.
+///
+/// ASSUMPTION: the whole acceleration is there after a tenth of a second, as that of the joints is.
+const JERK_PER_ACCELERATION: f64 = 10.0;
 
 /// A smaller change of orientation is none, degrees.
 const NO_ROTATION_DEG: f64 = 0.01;
@@ -26,9 +27,6 @@ const NO_ROTATION_DEG: f64 = 0.01;
 /// Samples of a way: one each interpolation period, inside of these bounds.
 const FEWEST_SAMPLES: f64 = 16.0;
 const MOST_SAMPLES: f64 = 4000.0;
-
-/// A larger change of orientation has no shortest rotation, within the rounding of a position.
-pub(super) const MOST_ROTATION_DEG: f64 = 179.99;
 
 /// MOTN-023: the way runs through a singularity.
 ///
@@ -38,6 +36,9 @@ const MOTN_SINGULARITY: Status = Status::new(15, 23);
 const MOTN_JOINT_SPEED: Status = Status::new(15, 63);
 /// MOTN-079: the target is in another configuration than the start.
 const MOTN_CONFIGURATION: Status = Status::new(15, 79);
+
+/// MOTN-997: no circle goes through the three positions. A number of our own.
+const MOTN_NO_CIRCLE: Status = Status::new(15, 997);
 
 /// How fast the tool goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,42 +63,48 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// Rate and slope of progress on a way of `length` mm that turns by `angle` degrees.
+    /// The progress along a way of `length` mm that turns by `angle` degrees, in millimeters or in degrees, whatever is
+    /// more.
     ///
     /// ASSUMPTION: a rotation of the tool is never faster than [`ROTATION_SPEED`], the center point never than
     /// `$SPEEDLIM`; a time or a rotation that would need more is refused.
-    fn limits(&self, length: f64, angle: f64) -> Result<(f64, f64), Refusal> {
-        let limit = |straight: f64, turning: f64| (straight / length).min(turning / angle);
+    fn progress(&self, length: f64, angle: f64) -> Result<Progress, Refusal> {
+        let way = length.max(angle);
+        let limit =
+            |straight: f64, turning: f64| (straight * way / length).min(turning * way / angle);
         let most = limit(SPEED_LIMIT.0, ROTATION_SPEED);
-        let slope = limit(
-            ACCELERATION * self.acceleration,
-            ROTATION_ACCELERATION * self.acceleration,
-        );
+        let acceleration = self.acceleration * limit(ACCELERATION, ROTATION_ACCELERATION);
         let refused = |text: String| Err(Refusal::new(INTP_SPEED, text));
-        let rate = match self.speed {
+        let velocity = match self.speed {
             ToolSpeed::MmPerSec(speed) => limit(speed, self.rotation_deg_s.min(ROTATION_SPEED)),
             ToolSpeed::DegPerSec(_) if angle < NO_ROTATION_DEG => {
                 return refused("A speed in deg/sec needs a change of orientation".to_owned());
             }
-            ToolSpeed::DegPerSec(speed) => speed / angle,
-            ToolSpeed::Seconds(seconds) => match Profile::rate_for(seconds, slope) {
-                _ if !slope.is_finite() => f64::INFINITY,
-                Some(rate) => rate,
-                None => {
-                    let shortest = 2.0 / slope.sqrt();
-                    return refused(format!(
-                        "The motion cannot take {seconds} s, {shortest:.3} s is the shortest"
-                    ));
-                }
-            },
+            ToolSpeed::DegPerSec(speed) => speed * way / angle,
+            ToolSpeed::Seconds(_) => most,
         };
-        if rate.is_finite() && rate > most * (1.0 + 1e-9) {
+        if velocity > most * (1.0 + 1e-9) {
             return refused(format!(
                 "The tool would be faster than {} mm/s or {ROTATION_SPEED} deg/s",
                 SPEED_LIMIT.0
             ));
         }
-        Ok((rate, slope))
+        let limits = MotionLimits {
+            velocity,
+            acceleration,
+            jerk: JERK_PER_ACCELERATION * acceleration,
+        };
+        let Some(progress) = Progress::try_new(way, limits) else {
+            return refused(format!("{velocity} is no speed of a way of {way}"));
+        };
+        let ToolSpeed::Seconds(seconds) = self.speed else {
+            return Ok(progress);
+        };
+        progress.lasting(seconds).or_else(|shortest| {
+            refused(format!(
+                "The motion cannot take {seconds} s, {shortest:.3} s is the shortest"
+            ))
+        })
     }
 }
 
@@ -132,29 +139,16 @@ pub fn plan(
     target: &LinearTarget,
     pace: &Pace,
 ) -> Result<Path, Refusal> {
-    let branch = model.configuration(&from);
-    if target.wrist.is_none() {
-        check_branch(branch, target)?;
-    }
     let start = frames.tcp_in_user_frame(&model.forward(&from));
-    let (length, angle) = start.distance_to(&target.tcp);
-    let (length, angle) = (length.0, angle.0.to_degrees());
-    if angle > MOST_ROTATION_DEG {
-        let text = "the orientation changes by half a turn, so no rotation is the shortest";
-        return Err(Refusal::new(Status::MOTN_UNREACHABLE, text));
-    }
-    let course = Course::Straight(start, target.tcp);
-    let way = Way {
-        model,
-        frames,
-        course,
-        branch,
-        wrist: target.wrist.map(|to| (from, to)),
-    };
-    way.travel(from, (length, angle), pace)
+    let course = ToolPath::line(&start, &target.tcp);
+    travel(model, frames, from, (course, target), *pace)
 }
 
 /// The way of the tool center point from `from` on the circle through `via` to `target`, otherwise as [`plan`].
+///
+/// ASSUMPTION: the orientation changes evenly by the shortest rotation from the start to the position on the way, and
+/// from there to the end; so that position is passed in its own orientation. A controller slows down on a small circle,
+/// so that the acceleration toward the center is not more than that of the tool, and raises no alarm.
 ///
 /// # Errors
 /// As [`plan`]; and positions through which no circle goes.
@@ -165,25 +159,68 @@ pub fn plan_arc(
     (via, target): (&Pose, &LinearTarget),
     pace: &Pace,
 ) -> Result<Path, Refusal> {
+    let start = frames.tcp_in_user_frame(&model.forward(&from));
+    let course = ToolPath::circle(&start, via, &target.tcp, Extent::Arc);
+    let mut pace = *pace;
+    if let (ToolSpeed::MmPerSec(speed), Ok(course)) = (pace.speed, &course)
+        && let Some(radius) = course.radius()
+    {
+        let most = (ACCELERATION * pace.acceleration * radius.0).sqrt();
+        pace.speed = ToolSpeed::MmPerSec(speed.min(most));
+    }
+    travel(model, frames, from, (course, target), pace)
+}
+
+/// Samples the way and checks each sample.
+fn travel(
+    model: &ArmModel,
+    frames: &Frames,
+    from: PendantJoints,
+    (course, target): (Result<ToolPath, PathError>, &LinearTarget),
+    pace: Pace,
+) -> Result<Path, Refusal> {
     let branch = model.configuration(&from);
     if target.wrist.is_none() {
         check_branch(branch, target)?;
     }
-    let start = frames.tcp_in_user_frame(&model.forward(&from));
-    let arc = Arc::through(&start, via, &target.tcp)?;
-    let length = (arc.length(), arc.turning_deg());
-    let mut pace = *pace;
-    if let ToolSpeed::MmPerSec(speed) = pace.speed {
-        pace.speed = ToolSpeed::MmPerSec(arc.possible_speed(speed, pace.acceleration));
-    }
-    let way = Way {
-        model,
-        frames,
-        course: Course::Arc(arc),
-        branch,
-        wrist: target.wrist.map(|to| (from, to)),
+    let course = match course {
+        Err(PathError::NoWay) => return Ok(Path::standing(from)),
+        course => course.map_err(|error| no_path(&error))?,
     };
-    way.travel(from, length, &pace)
+    let length = course.length().unwrap_or_default().0;
+    let progress = pace.progress(length, course.turning().0.to_degrees())?;
+    let mut follower = ToolFollower::new(model, frames, &course);
+    if let Some(wrist) = &target.wrist {
+        follower = follower.with_wrist(&from, wrist);
+    }
+    let steps = (progress.way() / (progress.peak() * INTERPOLATION_PERIOD_S))
+        .clamp(FEWEST_SAMPLES, MOST_SAMPLES)
+        .ceil();
+    let mut samples = vec![from];
+    let mut before = from;
+    let mut step = 1.0;
+    while step <= steps {
+        let share = step / steps;
+        let joints = follower
+            .follow((step - 1.0) / steps, &before, share)
+            .map_err(|error| on_the_way(&error))?;
+        let configuration = model.configuration(&joints);
+        if target.wrist.is_none() && !configuration.same_branch(branch) {
+            let (kind, _) = model.singularity(&joints).nearest();
+            let text = format!(
+                "Singularity ({kind}) at {} of the way: the configuration would change from {branch} to \
+                 {configuration}",
+                percent(share),
+            );
+            return Err(Refusal::new(MOTN_SINGULARITY, text));
+        }
+        samples.push(joints);
+        before = joints;
+        step += 1.0;
+    }
+    let progress = within_joints(model, &samples, progress)?;
+    Path::of_tool(samples, (length, frames.tool), progress)
+        .ok_or_else(|| Refusal::new(Status::MOTN_UNREACHABLE, "the way has no length"))
 }
 
 fn check_branch(branch: Configuration, target: &LinearTarget) -> Result<(), Refusal> {
@@ -197,132 +234,114 @@ fn check_branch(branch: Configuration, target: &LinearTarget) -> Result<(), Refu
     Err(Refusal::new(MOTN_CONFIGURATION, text))
 }
 
-/// The way of the tool center point in the user frame.
-enum Course {
-    Straight(Pose, Pose),
-    Arc(Arc),
-}
-
-impl Course {
-    fn at(&self, share: f64) -> Result<Pose, PoseError> {
-        match self {
-            Course::Straight(start, end) => {
-                Pose::try_from_isometry(start.isometry().lerp_slerp(end.isometry(), share))
-            }
-            Course::Arc(arc) => arc.at(share),
-        }
-    }
-}
-
-struct Way<'a> {
-    model: &'a ArmModel,
-    frames: &'a Frames,
-    course: Course,
-    branch: Configuration,
-    /// Joints at the start and at the end, if the wrist goes as in a joint motion between them.
-    wrist: Option<(PendantJoints, PendantJoints)>,
-}
-
-impl Way<'_> {
-    /// Samples the way, which is `length` mm long and turns by `angle` degrees, and checks each sample.
-    fn travel(
-        &self,
-        from: PendantJoints,
-        (length, angle): (f64, f64),
-        pace: &Pace,
-    ) -> Result<Path, Refusal> {
-        let (rate, slope) = pace.limits(length, angle)?;
-        if !rate.is_finite() || !slope.is_finite() {
-            // Neither length nor angle: the arm is there.
-            return Ok(Path::joint_at(self.model, from, from, 1.0, 1.0));
-        }
-        let steps = (1.0 / (rate * INTERPOLATION_PERIOD_S))
-            .clamp(FEWEST_SAMPLES, MOST_SAMPLES)
-            .ceil();
-        let mut samples = vec![from];
-        let mut before = from;
-        let mut step = 1.0;
-        while step <= steps {
-            let joints = self.at(step / steps, &before)?;
-            let middle = (step - 0.5) / steps;
-            // What the profile allows here: less near the ends.
-            let here = rate
-                .min((2.0 * slope * middle).sqrt())
-                .min((2.0 * slope * (1.0 - middle)).sqrt());
-            check_speeds(self.model, &before, &joints, steps * here)?;
-            samples.push(joints);
-            before = joints;
-            step += 1.0;
-        }
-        Path::of_tool(samples, (length, self.frames.tool), (rate, slope))
-            .ok_or_else(|| Refusal::new(Status::MOTN_UNREACHABLE, "the way has no length"))
-    }
-
-    /// The joints at this share of the way, near those before it.
-    fn at(&self, share: f64, before: &PendantJoints) -> Result<PendantJoints, Refusal> {
-        let tcp = self
-            .course
-            .at(share)
-            .map_err(|error| Refusal::new(Status::MOTN_UNREACHABLE, error.to_string()))?;
-        if let Some(ends) = &self.wrist {
-            let arm = WristJoint {
-                model: self.model,
-                frames: self.frames,
-                ends,
-            };
-            return arm.at(&tcp, share, before);
-        }
-        let flange = self.frames.flange_in_world(&tcp);
-        let solution = self
-            .model
-            .inverse(&flange, Seed::Near(*before))
-            .map_err(|error| on_the_way(share, &error))?;
-        let joints = solution.joints;
-        self.model.check_limits(&joints).map_err(|violations| {
-            let text = format!("Limit error at {} of the way: {violations}", percent(share));
-            Refusal::new(Status::MOTN_LIMIT, text)
-        })?;
-        if !solution.configuration.same_branch(self.branch) {
-            let (kind, _) = self.model.singularity(&joints).nearest();
-            let text = format!(
-                "Singularity ({kind}) at {} of the way: the configuration would change from {} to {}",
-                percent(share),
-                self.branch,
-                solution.configuration
-            );
-            return Err(Refusal::new(MOTN_SINGULARITY, text));
-        }
-        Ok(joints)
-    }
-}
-
-/// `per_second`: how many steps like this one the arm makes in a second.
-fn check_speeds(
+/// The progress, slow enough for the accelerations of the joints; an alarm if one of them would be too fast.
+///
+/// ASSUMPTION: where a joint would have to accelerate harder than it can, the whole way is traveled slower, and no alarm
+/// is raised, also if the program says how long it shall take.
+fn within_joints(
     model: &ArmModel,
-    before: &PendantJoints,
-    after: &PendantJoints,
-    per_second: f64,
-) -> Result<(), Refusal> {
-    for axis in Axis::ALL {
-        let speed = (after.of(axis).0 - before.of(axis).0).abs() * per_second;
-        let limit = model.max_speed(axis).0;
-        if speed > limit * (1.0 + 1e-6) {
-            let (kind, measure) = model.singularity(after).nearest();
-            let text = format!(
-                "Joint speed: {axis} would turn with {speed:.1} deg/s, its limit is {limit:.1} deg/s \
-                 (nearest singularity: {kind}, {measure:.3})"
-            );
-            return Err(Refusal::new(MOTN_JOINT_SPEED, text));
-        }
+    samples: &[PendantJoints],
+    progress: Progress,
+) -> Result<Progress, Refusal> {
+    let Demands {
+        speed,
+        acceleration,
+    } = Demands::of(model, samples, &progress);
+    if speed.share > 1.0 + 1e-6 {
+        let limit = model.max_speed(speed.joint).0;
+        let there = along(samples, speed.parameter);
+        let nearest = there.map(|joints| model.singularity(&joints).nearest());
+        let nearest = nearest.map(|(kind, measure)| format!("{kind}, {measure:.3}"));
+        let text = format!(
+            "Joint speed: {} would turn with {:.1} deg/s, its limit is {limit:.1} deg/s \
+             (nearest singularity: {})",
+            speed.joint,
+            speed.share * limit,
+            nearest.unwrap_or_default(),
+        );
+        return Err(Refusal::new(MOTN_JOINT_SPEED, text));
     }
-    Ok(())
+    let slower = (acceleration.share > 1.0)
+        .then(|| progress.stretched(acceleration.share.sqrt()))
+        .flatten();
+    Ok(slower.unwrap_or(progress))
 }
 
-fn on_the_way(share: f64, error: &IkError) -> Refusal {
-    let Refusal { status, text } = ik_refusal(error);
-    Refusal::new(status, format!("{text} (at {} of the way)", percent(share)))
+/// Why there is no such path.
+fn no_path(error: &PathError) -> Refusal {
+    match error {
+        PathError::SamePoint { .. } => {
+            let text = "No circle: two of start, position on the way and end are at the same place";
+            Refusal::new(MOTN_NO_CIRCLE, text)
+        }
+        PathError::Straight { .. } => {
+            let text = "No circle: start, position on the way and end are on one line";
+            Refusal::new(MOTN_NO_CIRCLE, text)
+        }
+        PathError::HalfTurn { .. } => {
+            let text = "the orientation changes by half a turn, so no rotation is the shortest";
+            Refusal::new(Status::MOTN_UNREACHABLE, text)
+        }
+        PathError::NoWay | PathError::Points { .. } | PathError::Pose(_) => {
+            Refusal::new(Status::MOTN_UNREACHABLE, error.to_string())
+        }
+    }
+}
+
+/// Why the arm cannot follow the path.
+fn on_the_way(error: &ToolError) -> Refusal {
+    match error {
+        ToolError::Unreachable {
+            parameter, source, ..
+        } => {
+            let Refusal { status, text } = ik_refusal(source);
+            Refusal::new(
+                status,
+                format!("{text} (at {} of the way)", percent(*parameter)),
+            )
+        }
+        ToolError::Jump {
+            parameter,
+            joint,
+            from,
+            to,
+            ..
+        } => {
+            let text = format!(
+                "Singularity at {} of the way: {joint} would jump from {from:.2} to {to:.2}",
+                percent(*parameter),
+            );
+            Refusal::new(MOTN_SINGULARITY, text)
+        }
+        ToolError::Wrist { .. } => {
+            let text =
+                "Position not reachable: no place of the arm keeps the tool on its way (Wjnt)";
+            Refusal::new(Status::MOTN_UNREACHABLE, text)
+        }
+        ToolError::WristLimits {
+            parameter,
+            violations,
+        } => {
+            let text = format!(
+                "Limit error at {} of the way: {violations}",
+                percent(*parameter)
+            );
+            Refusal::new(Status::MOTN_LIMIT, text)
+        }
+        ToolError::Path(error) => no_path(error),
+        ToolError::Limit { .. }
+        | ToolError::Period { .. }
+        | ToolError::StartElsewhere { .. }
+        | ToolError::TooSlow { .. }
+        | ToolError::Profile(_)
+        | ToolError::TooLong { .. } => Refusal::new(Status::MOTN_UNREACHABLE, error.to_string()),
+    }
 }
 
 fn percent(share: f64) -> String {
     format!("{:.1} %", share * 100.0)
 }
+
+#[cfg(test)]
+#[path = "linear_tests.rs"]
+mod tests;

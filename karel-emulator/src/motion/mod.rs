@@ -1,26 +1,22 @@
 //! Motion of the virtual arm: closed forms of time, so nothing ticks while nothing changes.
 //!
-//! [`profile`] says how far along a path the arm is, [`path`] maps that to six joints, [`corner`] rounds what is
-//! between two of them, [`executor`] owns the motions that run and the one that waits, and [`planner`] turns a
-//! Cartesian target into joints or into an alarm.
+//! [`planning`] has the curves: the progress along a path in time, lines and circles, inverse kinematics along them. Here
+//! [`path`] maps the progress to six joints, [`corner`] rounds what is between two paths, [`executor`] owns the motions
+//! that run and the one that waits, and [`planner`] turns a Cartesian target into joints or into an alarm.
 
-mod arc;
 pub mod convert;
 pub mod corner;
 pub mod executor;
 pub mod linear;
 pub mod path;
 pub mod planner;
-pub mod profile;
 mod tempo;
-mod wrist;
 
 pub use corner::Blend;
 pub use executor::{Added, Brake, Executor, Happening, Motion, MotionEnd, Outcome};
 pub use linear::{LinearTarget, Pace, ToolSpeed};
 pub use path::Path;
 pub use planner::{Planner, Refusal};
-pub use profile::Profile;
 
 use std::time::Duration;
 

@@ -3,9 +3,8 @@
 use std::sync::Arc;
 
 use kinematics::{ArmModel, Axis, PendantJoints, Pose};
+use planning::jerk::{MotionLimits, Progress};
 use units::MmPerSec;
-
-use super::profile::Profile;
 
 /// `$SPEEDLIM`: the `$SPEED` at which a joint motion runs its slowest-limited axis at full speed.
 ///
@@ -20,14 +19,20 @@ pub const INTERPOLATION_PERIOD_S: f64 = 0.008;
 /// Places of a way at which its speed is measured.
 const SPEED_SAMPLES: f64 = 200.0;
 
-/// A way with a synchronized trapezoidal profile.
+/// A shorter way of every axis is none: the arm stands still for one interpolation period and is there.
+///
+/// ASSUMPTION: far below what the encoders of a motor tell apart, and above the rounding of inverse kinematics.
+const RESOLUTION_DEG: f64 = 1e-9;
+
+/// A way with a synchronized, jerk-limited progress.
 #[derive(Clone, Debug)]
 pub struct Path {
     from: PendantJoints,
     to: PendantJoints,
     line: Line,
-    /// `None`: the arm stands still for one interpolation period.
-    profile: Option<Profile>,
+    /// Degrees of the axis that goes farthest, or millimeters or degrees of the tool. `None`: the arm stands still for
+    /// one interpolation period.
+    progress: Option<Progress>,
 }
 
 #[derive(Clone, Debug)]
@@ -45,7 +50,7 @@ enum Line {
 impl Path {
     /// The fastest synchronized joint motion of `model` at `speed` / [`SPEED_LIMIT`] of every axis' maximum speed.
     ///
-    /// Maximum accelerations are those of the model, not scaled by the speed.
+    /// Maximum accelerations and jerks are those of the model, not scaled by the speed.
     #[must_use]
     pub fn joint(
         model: &ArmModel,
@@ -56,7 +61,7 @@ impl Path {
         Self::joint_at(model, from, to, speed.0 / SPEED_LIMIT.0, 1.0)
     }
 
-    /// As [`Self::joint`], at these parts of the maximum speeds and of the maximum accelerations.
+    /// As [`Self::joint`], at these parts of the maximum speeds, and of the maximum accelerations and jerks.
     #[must_use]
     pub fn joint_at(
         model: &ArmModel,
@@ -65,23 +70,41 @@ impl Path {
         speed: f64,
         acceleration: f64,
     ) -> Self {
-        let mut rate = f64::INFINITY;
-        let mut slope = f64::INFINITY;
-        for ((axis, start), end) in Axis::ALL.into_iter().zip(from.degrees()).zip(to.degrees()) {
-            let travel = (end - start).abs();
+        let travels = from.degrees().into_iter().zip(to.degrees());
+        let travels = travels.map(|(start, end)| (end - start).abs());
+        let way = travels.clone().fold(0.0, f64::max);
+        // Of the axis that goes farthest: the others have their parts of it.
+        let mut limits = MotionLimits {
+            velocity: f64::INFINITY,
+            acceleration: f64::INFINITY,
+            jerk: f64::INFINITY,
+        };
+        for (axis, travel) in Axis::ALL.into_iter().zip(travels) {
             if travel > 0.0 {
-                rate = rate.min(model.max_speed(axis).0 * speed / travel);
-                slope = slope.min(model.max_acceleration(axis).0 * acceleration / travel);
+                let part = way / travel;
+                let velocity = model.max_speed(axis).0 * speed * part;
+                limits.velocity = limits.velocity.min(velocity);
+                let hardest = model.max_acceleration(axis).0 * acceleration * part;
+                limits.acceleration = limits.acceleration.min(hardest);
+                limits.jerk = limits
+                    .jerk
+                    .min(model.max_jerk(axis).0 * acceleration * part);
             }
         }
-        Self::new(from, to, Line::Joint, (rate, slope))
+        let progress = (way > RESOLUTION_DEG).then(|| Progress::try_new(way, limits));
+        Self {
+            from,
+            to,
+            line: Line::Joint,
+            progress: progress.flatten(),
+        }
     }
 
-    /// The way of `tool`, `length` mm long, through `samples`, at least two, at this rate (1/s) and slope (1/s²).
+    /// The way of `tool`, `length` mm long, through `samples`, at least two.
     pub(super) fn of_tool(
         samples: Vec<PendantJoints>,
         (length, tool): (f64, Pose),
-        limits: (f64, f64),
+        progress: Progress,
     ) -> Option<Self> {
         let (from, to) = (*samples.first()?, *samples.last()?);
         let samples = samples.into();
@@ -90,47 +113,47 @@ impl Path {
             length,
             tool,
         };
-        Some(Self::new(from, to, line, limits))
-    }
-
-    fn new(
-        from: PendantJoints,
-        to: PendantJoints,
-        line: Line,
-        (rate, acceleration): (f64, f64),
-    ) -> Self {
-        Self {
+        Some(Self {
             from,
             to,
             line,
-            profile: Profile::try_new(rate, acceleration),
+            progress: Some(progress),
+        })
+    }
+
+    /// No way at all.
+    pub(super) fn standing(at: PendantJoints) -> Self {
+        Self {
+            from: at,
+            to: at,
+            line: Line::Joint,
+            progress: None,
         }
     }
 
     /// The same way at this part of its speed, with the same acceleration.
     #[must_use]
     pub fn slower(&self, part: f64) -> Self {
-        let profile = self.profile.as_ref();
-        let slower = profile.and_then(|p| Profile::try_new(p.peak() * part, p.acceleration()));
+        let progress = self.progress.as_ref();
         Self {
-            profile: slower,
+            progress: progress.and_then(|progress| progress.slower(part)),
             ..self.clone()
         }
     }
 
-    /// The same way with the same acceleration, slow enough to take so many seconds.
+    /// The same way within the same limits, slow enough to take so many seconds.
     ///
     /// # Errors
     /// The shortest time, if this one is shorter.
     pub fn lasting(&self, seconds: f64) -> Result<Self, f64> {
-        let Some(profile) = &self.profile else {
+        let Some(progress) = &self.progress else {
             return Ok(self.clone());
         };
-        let rate = Profile::rate_for(seconds, profile.acceleration());
-        match rate.filter(|rate| *rate <= profile.peak() * (1.0 + 1e-9)) {
-            Some(rate) => Ok(self.slower(rate / profile.peak())),
-            None => Err(self.duration()),
-        }
+        let progress = Some(progress.lasting(seconds)?);
+        Ok(Self {
+            progress,
+            ..self.clone()
+        })
     }
 
     /// The greatest speed, per second, of a point that `place` finds for each joints, if the way is traveled at its
@@ -147,7 +170,8 @@ impl Path {
             before = here;
             n += 1.0;
         }
-        longest * SPEED_SAMPLES * self.profile.map_or(0.0, |p| p.peak())
+        let rate = self.progress.map_or(0.0, |p| p.peak() / p.way());
+        longest * SPEED_SAMPLES * rate
     }
 
     /// Where the way starts.
@@ -165,7 +189,7 @@ impl Path {
     /// Path time from start to standstill, s, at 100 % override.
     #[must_use]
     pub fn duration(&self) -> f64 {
-        self.profile
+        self.progress
             .map_or(0.0, |p| p.duration())
             .max(INTERPOLATION_PERIOD_S)
     }
@@ -173,19 +197,19 @@ impl Path {
     /// How long the way is accelerated, and decelerated, s.
     #[must_use]
     pub fn ramp(&self) -> f64 {
-        self.profile.map_or(0.0, |p| p.ramp())
+        self.progress.map_or(0.0, |p| p.ramp())
     }
 
-    /// The slope of the ramps, parts of the way each s².
+    /// Path time at which this share of the way is traveled, s.
     #[must_use]
-    pub fn slope(&self) -> f64 {
-        self.profile.map_or(0.0, |p| p.acceleration())
+    pub fn time_of(&self, share: f64) -> f64 {
+        self.progress.map_or(0.0, |p| p.reaches(share * p.way()))
     }
 
-    /// For how long the way would have to be decelerated from path time `t`, s.
+    /// How long braking would take from path time `t`, and for how much of that the deceleration builds up, s.
     #[must_use]
-    pub fn braking_time(&self, t: f64) -> f64 {
-        self.profile.map_or(0.0, |p| p.rate(t) / p.acceleration())
+    pub fn braking(&self, t: f64) -> (f64, f64) {
+        self.progress.map_or((0.0, 0.0), |p| p.braking(t))
     }
 
     /// Of a way of the tool: how long it is, mm, and the tool on the flange.
@@ -207,7 +231,7 @@ impl Path {
     /// The joints at path time `t`, s. Exactly `to` at the end.
     #[must_use]
     pub fn at_time(&self, t: f64) -> PendantJoints {
-        self.at(self.profile.map_or(0.0, |p| p.progress(t)))
+        self.at(self.progress.map_or(0.0, |p| p.at(t).position / p.way()))
     }
 
     /// The joints at a progress of 0 to 1. Exactly `to` at 1.

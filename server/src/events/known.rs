@@ -126,7 +126,7 @@ impl Known {
         let known = self.jobs.get(job);
         match known.and_then(|job| Some((job.phases.get(step)?, job.workflow))) {
             Some((phase, workflow)) => {
-                format!("{} {}", phase.code(workflow), super::sentence::word(phase))
+                format!("{} {}", phase.code(workflow), crate::words::word(phase))
             }
             None => format!("step {step}"),
         }

@@ -58,7 +58,7 @@ pub(super) fn of_record(record: &Record, intent: Option<&Intent>) -> Option<Note
             let text = format!(
                 "{} decided about a motion of {robot} in doubt: {}, because \"{}\"",
                 decision.principal,
-                super::sentence::word(&decision.answer),
+                crate::words::word(&decision.answer),
                 decision.reason
             );
             motion("robocell.motion.decided", id, text)

@@ -1,10 +1,10 @@
 //! Each fact of the state machines as a kind of event and a sentence.
 
-use serde::Serialize;
 use uuid::Uuid;
 use workflow::{Fact, Message, SignalAnswer};
 
 use super::known::Known;
+use crate::words::{because, word};
 
 /// What a fact is as an event.
 pub(super) struct Said {
@@ -14,30 +14,12 @@ pub(super) struct Said {
     pub(super) subject: Option<String>,
 }
 
-/// A word as it is written in JSON.
-pub(super) fn word(value: &impl Serialize) -> String {
-    match serde_json::to_value(value) {
-        Ok(serde_json::Value::String(word)) => word,
-        Ok(other) => other.to_string(),
-        Err(_) => String::new(),
-    }
-}
-
 fn said(kind: &'static str, job: Option<Uuid>, text: String) -> Said {
     Said {
         kind,
         text,
         job,
         subject: job.map(|job| format!("jobs/{job}")),
-    }
-}
-
-/// `text` after a colon, where there is any.
-fn because(text: &str) -> String {
-    if text.is_empty() {
-        String::new()
-    } else {
-        format!(": {text}")
     }
 }
 
@@ -170,7 +152,7 @@ fn of_job(known: &Known, fact: &Fact) -> Option<Said> {
             format!(
                 "{arm} begins {}: {}",
                 known.step(job, *step),
-                action_in_words(action)
+                crate::words::action(action)
             ),
         ),
         _ => return None,
@@ -503,20 +485,6 @@ fn instant_in_words(action: workflow::InstantAction) -> &'static str {
         Action::Retry => "RETRY",
         Action::SkipRetry => "SKIP_RETRY",
         Action::StateRequest => "STATE_REQUEST",
-    }
-}
-
-fn action_in_words(action: &workflow::Action) -> String {
-    use workflow::{Action, Target};
-    match action {
-        Action::Move { target, .. } => match target {
-            Target::ApproachOf { place } => format!("to the approach of {place}"),
-            Target::At { place } => format!("to {place}"),
-            Target::LiftOf { place } => format!("above {place}"),
-            Target::Safe => "to the safe pose".to_owned(),
-        },
-        Action::Grip { action } => format!("the gripper, {}", word(action)),
-        Action::Precheck { targets } => format!("plans {} poses", targets.len()),
     }
 }
 

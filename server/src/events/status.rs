@@ -4,7 +4,7 @@ use api::{CellStatus, JobStatus, LoadStatus, PointStatus, TimerStatus};
 use workflow::view::TimerView;
 use workflow::{Cell, Millis, Permit, TimerKey};
 
-use super::sentence::word;
+use crate::words::word;
 
 /// What is shown of a cell at a time of its own clock.
 pub(super) fn status(cell: &Cell, now: Millis) -> CellStatus {

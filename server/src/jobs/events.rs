@@ -12,7 +12,7 @@ use workflow::{
 
 use super::report::Elapsed;
 use super::story::History;
-use super::words::{action, because, word};
+use crate::words::{action, because, word};
 
 /// Everything that happened to a job, the oldest first.
 pub(crate) fn events(history: &History) -> Vec<JobEvent> {

@@ -12,7 +12,6 @@ mod story;
 mod telling;
 #[cfg(test)]
 mod tests;
-mod words;
 
 pub(crate) use body::{command, job_of_parts, location, new_job, principal, reason};
 pub(crate) use events::events;

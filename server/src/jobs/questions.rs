@@ -9,8 +9,8 @@ use workflow::{Answer, Cell, Detail};
 
 use super::body::location;
 use super::shown::{created_at, fault_name};
-use super::words::word;
 use crate::problem::Problem;
+use crate::words::word;
 
 /// A question as the API shows it.
 pub(crate) fn intervention(name: &str, cell: &Cell, view: &InterventionView) -> Intervention {

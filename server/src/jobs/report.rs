@@ -14,7 +14,7 @@ use workflow::{Fact, Phase, PlannedStep, StepState, Why, Workflow};
 
 use super::shown::{created_at, fault_name, state_of, workflow_name};
 use super::story::{Chapter, History};
-use super::words::word;
+use crate::words::word;
 
 /// Time since the first record. Within one epoch the monotonic clock counts; over a start of the server, the wall
 /// clock, and never backwards.

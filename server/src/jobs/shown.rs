@@ -14,8 +14,8 @@ use workflow::{
     Resource, Role, TimerKey, Why, Workflow,
 };
 
-use super::words::{action, word};
 use crate::cell::CellClock;
+use crate::words::{action, word};
 
 /// Everything a caller may do with a job.
 const COMMANDS: [(JobCommand, Command); 10] = [

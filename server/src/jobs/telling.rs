@@ -11,9 +11,9 @@ use super::events::ended;
 use super::report::Elapsed;
 use super::shown::{fault_name, load, load_location, permits};
 use super::story::{Chapter, History, Picker, for_each};
-use super::words::{action, word};
 use crate::journal::SharedJournal;
 use crate::problem::Problem;
+use crate::words::{action, word};
 
 /// Everything a cell decided, the oldest first.
 ///

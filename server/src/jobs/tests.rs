@@ -17,7 +17,7 @@
     reason = "a test stops where it is wrong, and the world is the workflows' own"
 )]
 
-#[path = "../../../crates/workflow/tests/world/mod.rs"]
+#[path = "../../../crates/workflow/tests/suite/world/mod.rs"]
 mod world;
 
 use std::cell::RefCell;

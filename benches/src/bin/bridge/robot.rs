@@ -25,19 +25,21 @@ pub(crate) async fn run(ports: usize) -> Result<()> {
     processes::announce_and_wait(first).await
 }
 
+/// Below the ports that the system gives to connections: the load has used thousands of those.
 async fn bind_consecutive(ports: usize) -> Result<Vec<TcpListener>> {
-    for _ in 0..100 {
-        let first = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).await?;
-        let start = first.local_addr()?.port();
-        let mut listeners = vec![first];
-        for offset in 1..u16::try_from(ports)? {
-            let Some(port) = start.checked_add(offset) else {
-                break;
-            };
-            let Ok(listener) = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).await else {
-                break;
-            };
-            listeners.push(listener);
+    const LOWEST: u32 = 10_000;
+    const RANGE: u32 = 20_000;
+    let count = u16::try_from(ports)?;
+    for attempt in 0..100 {
+        let steps = std::process::id().wrapping_add(attempt);
+        let start = LOWEST + steps.wrapping_mul(u32::from(count)) % (RANGE - u32::from(count));
+        let start = u16::try_from(start)?;
+        let mut listeners = Vec::new();
+        for port in start..start + count {
+            match TcpListener::bind((Ipv4Addr::LOCALHOST, port)).await {
+                Ok(listener) => listeners.push(listener),
+                Err(_) => break,
+            }
         }
         if listeners.len() == ports {
             return Ok(listeners);

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use api::JointsBody;
 use clap::{Args, Subcommand};
-use client::{Alarm, EmulatorClient, EmulatorState, LedgerEntry, Log};
+use client::{Alarm, EmulatorClient, EmulatorState, LedgerEntry, Log, Notes};
 use tokio::time::{Instant, MissedTickBehavior};
 
 use crate::context::Context;
@@ -43,16 +43,33 @@ enum EmulatorCommand {
     },
     /// List the alarms.
     Alarms,
+    /// List what a kind controller has said about itself: why a client waits, a number is none, a pose is out of reach.
+    Notes {
+        /// Only notes with a higher number than this.
+        #[arg(long, default_value_t = 0, value_name = "SEQ")]
+        after: u64,
+        /// If there is none, wait for one, at most so many seconds, up to 30.
+        #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = short)]
+        wait: Option<f64>,
+    },
     #[command(flatten)]
     Control(Control),
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
+    up_to(text, 3600.0)
+}
+
+fn short(text: &str) -> Result<f64, String> {
+    up_to(text, 30.0)
+}
+
+fn up_to(text: &str, most: f64) -> Result<f64, String> {
     let seconds = finite(text)?;
-    if (0.0..=3600.0).contains(&seconds) {
+    if (0.0..=most).contains(&seconds) {
         Ok(seconds)
     } else {
-        Err("not between 0 and 3600 seconds".to_owned())
+        Err(format!("not between 0 and {most} seconds"))
     }
 }
 
@@ -73,6 +90,11 @@ pub(crate) async fn run(args: EmulatorArgs, context: &Context) -> Result<Report,
         EmulatorCommand::Alarms => {
             let alarms = emulator.alarms().await?;
             Ok(context.report(Exit::Done, &alarms, alarms_text))
+        }
+        EmulatorCommand::Notes { after, wait } => {
+            let wait = wait.map(Duration::from_secs_f64);
+            let notes = emulator.notes(after, wait).await?;
+            Ok(context.report(Exit::Done, &notes, notes_text))
         }
         EmulatorCommand::Control(control) => {
             emulator_control::run(&control, &emulator, context).await
@@ -123,7 +145,11 @@ fn state_text(state: &EmulatorState) -> String {
             task.program.clone(),
             task.state.clone(),
             number(task.line),
-            task.detail.clone().unwrap_or_default(),
+            [&task.detail, &task.hint]
+                .map(|text| text.clone().unwrap_or_default())
+                .join("  ")
+                .trim_end()
+                .to_owned(),
         ]);
     }
     let mut tags = Table::new(&["tag", ">port", "state", "peer"]);
@@ -146,10 +172,58 @@ fn state_text(state: &EmulatorState) -> String {
         ("pose", text::pose(&state.pose)),
         ("config", state.configuration.clone()),
         ("motion", activity(state)),
+        ("operator", operator(state)),
         ("override", format!("{} %", state.override_percent)),
         ("alarms", format!("{} active", state.active_alarms)),
+        ("profile", profile(state)),
     ];
     format!("{}\n{tasks}\n{tags}", text::facts(&facts))
+}
+
+/// The mode switch, and what keeps the arm from moving.
+fn operator(state: &EmulatorState) -> String {
+    let servo_off = state.servo_power == Some(false);
+    let lamps = [
+        (state.held, "held"),
+        (state.emergency_stop, "emergency stop"),
+        (servo_off, "servo off"),
+        (state.faults > 0, "injected faults"),
+    ];
+    let lit = lamps.iter().filter(|(on, _)| *on).map(|(_, name)| *name);
+    let shown: Vec<&str> = std::iter::once(state.mode.as_str()).chain(lit).collect();
+    shown.join(", ")
+}
+
+/// Which controller it is, and how much it has said.
+fn profile(state: &EmulatorState) -> String {
+    let generation = match state.generation.as_str() {
+        "any" => "any generation".to_owned(),
+        generation => format!("generation {generation}"),
+    };
+    let fidelity = &state.fidelity;
+    match state.note_seq {
+        0 => format!("{fidelity}, {generation}"),
+        1 => format!("{fidelity}, {generation}, 1 note"),
+        notes => format!("{fidelity}, {generation}, {notes} notes"),
+    }
+}
+
+fn notes_text(notes: &Notes) -> String {
+    if notes.notes.is_empty() {
+        return "No note.".to_owned();
+    }
+    let mut table = Table::new(&[">seq", ">time s", "program", ">line", ">times", "note"]);
+    for note in &notes.notes {
+        table.row([
+            note.seq.to_string(),
+            format!("{:.3}", note.time_s),
+            note.program.clone().unwrap_or_default(),
+            number(note.line),
+            note.times.to_string(),
+            note.text.clone(),
+        ]);
+    }
+    table.to_string()
 }
 
 fn ledger_text(ledger: &Log<LedgerEntry>) -> String {

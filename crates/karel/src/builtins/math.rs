@@ -1,7 +1,7 @@
 //! Numbers.
 
 use super::{Builtin, Context, Outcome, Param, Returns};
-use crate::machine::{cell::Cell, fault::Fault, finite};
+use crate::machine::{self, cell::Cell, fault::Fault};
 
 #[rustfmt::skip]
 pub(super) const TABLE: &[Builtin] = &[
@@ -21,22 +21,11 @@ pub(super) const TABLE: &[Builtin] = &[
 
 /// Computed with 64 bits, rounded once to a REAL.
 fn real(value: f64) -> Result<Outcome, Fault> {
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "rounding to REAL is meant; range is checked"
-    )]
-    let rounded = value as f32;
-    finite(rounded).map(|value| Outcome::Value(Cell::Real(value)))
+    machine::real(value).map(|value| Outcome::Value(Cell::Real(value)))
 }
 
 fn integer(value: f32) -> Result<Outcome, Fault> {
-    let value = f64::from(value);
-    if value < f64::from(i32::MIN) || value > f64::from(i32::MAX) {
-        return Err(Fault::overflow());
-    }
-    #[expect(clippy::cast_possible_truncation, reason = "the range was checked")]
-    let value = value as i32;
-    Ok(Outcome::Value(Cell::Integer(value)))
+    machine::whole(value).map(|value| Outcome::Value(Cell::Integer(value)))
 }
 
 fn abs(context: &mut Context<'_>) -> Result<Outcome, Fault> {

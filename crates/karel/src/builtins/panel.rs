@@ -8,6 +8,27 @@ use crate::{
     value::Text,
 };
 
+/// A variable that a window shows again and again: the variable, the window, width, attributes, size, row, column,
+/// interval, then how it is shown, the status.
+#[rustfmt::skip]
+const SHOWN_VALUE: &[Param] = &[
+    Param::AnyVariable, Param::Text, Param::Integer, Param::Integer, Param::Integer, Param::Integer, Param::Integer, Param::Integer,
+    Param::Integer, Param::Text, Param::OutInteger,
+];
+/// The same, in words: the values of an array.
+#[rustfmt::skip]
+const SHOWN_WORDS: &[Param] = &[
+    Param::AnyVariable, Param::Text, Param::Integer, Param::Integer, Param::Integer, Param::Integer, Param::Integer, Param::Integer,
+    Param::TextArray, Param::OutInteger,
+];
+/// The same, of a port.
+#[rustfmt::skip]
+const SHOWN_PORT: &[Param] = &[
+    Param::Integer, Param::Integer, Param::Text, Param::Integer, Param::Integer, Param::Integer, Param::Integer, Param::Integer,
+    Param::Integer, Param::TextArray, Param::OutInteger,
+];
+const SHOWN_NO_MORE: &[Param] = &[Param::AnyVariable, Param::Text, Param::OutInteger];
+
 #[rustfmt::skip]
 pub(super) const TABLE: &[Builtin] = &[
     Builtin { name: "ERR_DATA", params: &[Param::InOutInteger, Param::OutInteger, Param::OutText, Param::OutInteger, Param::OutText, Param::OutInteger, Param::OutInteger, Param::OutText], required: 8, returns: Returns::Nothing, code: err_data },
@@ -18,6 +39,19 @@ pub(super) const TABLE: &[Builtin] = &[
     Builtin { name: "DET_WINDOW", params: &[Param::Text, Param::Text, Param::OutInteger], required: 3, returns: Returns::Nothing, code: |context| nothing(context, 2) },
     Builtin { name: "FORCE_SPMENU", params: &[Param::Integer, Param::Integer, Param::Integer], required: 3, returns: Returns::Nothing, code: |_| Ok(Outcome::Done) },
     Builtin { name: "POST_ERR", params: &[Param::Integer, Param::Text, Param::Integer, Param::Integer], required: 4, returns: Returns::Nothing, code: post_err },
+    Builtin { name: "CNC_DYN_DISB", params: SHOWN_NO_MORE, required: 3, returns: Returns::Nothing, code: |context| nothing(context, 2) },
+    Builtin { name: "CNC_DYN_DISE", params: SHOWN_NO_MORE, required: 3, returns: Returns::Nothing, code: |context| nothing(context, 2) },
+    Builtin { name: "CNC_DYN_DISI", params: SHOWN_NO_MORE, required: 3, returns: Returns::Nothing, code: |context| nothing(context, 2) },
+    Builtin { name: "CNC_DYN_DISP", params: &[Param::Integer, Param::Integer, Param::Text, Param::OutInteger], required: 4, returns: Returns::Nothing, code: |context| nothing(context, 3) },
+    Builtin { name: "CNC_DYN_DISR", params: SHOWN_NO_MORE, required: 3, returns: Returns::Nothing, code: |context| nothing(context, 2) },
+    Builtin { name: "CNC_DYN_DISS", params: SHOWN_NO_MORE, required: 3, returns: Returns::Nothing, code: |context| nothing(context, 2) },
+    Builtin { name: "INI_DYN_DISB", params: SHOWN_WORDS, required: 10, returns: Returns::Nothing, code: |context| nothing(context, 9) },
+    Builtin { name: "INI_DYN_DISE", params: SHOWN_WORDS, required: 10, returns: Returns::Nothing, code: |context| nothing(context, 9) },
+    Builtin { name: "INI_DYN_DISI", params: SHOWN_VALUE, required: 11, returns: Returns::Nothing, code: |context| nothing(context, 10) },
+    Builtin { name: "INI_DYN_DISP", params: SHOWN_PORT, required: 11, returns: Returns::Nothing, code: |context| nothing(context, 10) },
+    Builtin { name: "INI_DYN_DISR", params: SHOWN_VALUE, required: 11, returns: Returns::Nothing, code: |context| nothing(context, 10) },
+    Builtin { name: "INI_DYN_DISS", params: SHOWN_VALUE, required: 11, returns: Returns::Nothing, code: |context| nothing(context, 10) },
+    Builtin { name: "RESET", params: &[Param::OutBoolean], required: 1, returns: Returns::Nothing, code: reset },
     Builtin { name: "SET_CURSOR", params: &[Param::File, Param::Integer, Param::Integer, Param::OutInteger], required: 4, returns: Returns::Nothing, code: |context| nothing(context, 3) },
     Builtin { name: "SET_LANG", params: &[Param::Text, Param::OutInteger], required: 2, returns: Returns::Nothing, code: |context| nothing(context, 1) },
     Builtin { name: "IN_AUTO_MODE", params: &[], required: 0, returns: Returns::Boolean, code: |context| Ok(Outcome::Value(Cell::Boolean(context.host.in_auto_mode()))) },
@@ -45,6 +79,13 @@ fn err_data(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     context.put(5, Cell::Integer(0));
     context.put(6, Cell::Integer(severity));
     context.put_text(7, text(alarm.as_ref().map(|alarm| alarm.program.as_str())));
+    Ok(Outcome::Done)
+}
+
+/// `RESET(successful)`: as the key of the operator.
+fn reset(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    let done = context.host.reset();
+    context.put(0, Cell::Boolean(done));
     Ok(Outcome::Done)
 }
 

@@ -49,6 +49,17 @@ pub(crate) fn finite(value: f32) -> Result<f32, Fault> {
     }
 }
 
+/// A whole number as an INTEGER.
+pub(crate) fn whole(value: f32) -> Result<i32, Fault> {
+    let value = f64::from(value);
+    if value < f64::from(i32::MIN) || value > f64::from(i32::MAX) {
+        return Err(Fault::overflow());
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "the range was checked")]
+    let value = value as i32;
+    Ok(value)
+}
+
 /// Rounds to a REAL.
 pub(crate) fn real(value: f64) -> Result<f32, Fault> {
     #[expect(

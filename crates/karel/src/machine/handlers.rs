@@ -31,26 +31,29 @@ const MAX_STEPS: u32 = 100_000;
 const MAX_ALARMS: i32 = 32;
 
 impl Exec<'_> {
-    /// Executes at most `fuel` instructions, with condition handlers.
+    /// Executes at most `fuel` instructions, with condition handlers. What was used is more than `fuel` if the conditions
+    /// cost more.
     pub(super) fn slice(&mut self, fuel: u32) -> (Stop, u32) {
         if fuel == 0 {
             return (Stop::OutOfFuel, 0);
         }
         let mut used = 0_u32;
         loop {
-            let looked = if self.task.handlers.is_empty() && self.task.tp.monitors.is_empty() {
-                Ok(())
-            } else {
+            let looked = if self.task.looks() {
                 self.look()
+            } else {
+                Ok(())
             };
-            // Conditions cost what they cost, but the task itself always gets on.
-            used = used
-                .saturating_add(std::mem::take(&mut self.looked))
-                .min(fuel - 1);
-            if let Err(fault) = looked
-                && let Some(stop) = self.fail(fault)
-            {
-                return (stop, used);
+            used = used.saturating_add(std::mem::take(&mut self.looked));
+            if let Err(fault) = looked {
+                if let Some(stop) = self.fail(fault) {
+                    return (stop, used);
+                }
+                // The task stays inside of the condition that failed: only handlers that see its end go on.
+                if used >= fuel {
+                    return (Stop::OutOfFuel, used);
+                }
+                continue;
             }
             if !self.task.interrupted {
                 if let Some(stop) = self.end_if_it_must() {
@@ -60,8 +63,10 @@ impl Exec<'_> {
                     return (Stop::Blocked(Wait::Continue), used);
                 }
             }
-            let (stop, more) = self.run(fuel - used);
-            used += more;
+            // Conditions cost what they cost, even more than there is: time must not depend on how a share is cut.
+            // The task itself always gets on.
+            let (stop, more) = self.run(fuel.saturating_sub(used).max(1));
+            used = used.saturating_add(more);
             match stop {
                 Stop::Failed(fault) => {
                     if let Some(stop) = self.fail(fault) {
@@ -100,6 +105,8 @@ impl Exec<'_> {
     fn fail(&mut self, fault: Fault) -> Option<Stop> {
         let error = runtime_error(fault, self.task, self.programs);
         self.host.post_alarm(self.id, &error);
+        // Of a motion that is over by now, they do not see it any more.
+        self.drop_local_ones();
         if self.task.sees_its_end() {
             self.task.ending = Ending::Failed(Box::new(error));
             self.task.scan_now = true;
@@ -135,6 +142,9 @@ impl Exec<'_> {
         }
         if self.task.triggered.is_empty() {
             self.look_at_monitors(now)?;
+        }
+        if self.task.triggered.is_empty() && !self.task.paused {
+            self.look_beside(now)?;
         }
         match self.task.triggered.pop_front() {
             Some((program, routine)) => self.interrupt(program, routine),

@@ -29,9 +29,11 @@ mod timer;
 mod tp;
 mod tp_assign;
 mod tp_calculate;
+mod tp_function;
 mod tp_motion;
 pub(crate) mod tp_value;
 mod tp_wait;
+mod tp_watch;
 mod transfer;
 mod variables;
 mod verbs;
@@ -60,7 +62,7 @@ use pulse::Pulses;
 use semaphore::Semaphores;
 use timer::Timers;
 
-pub(crate) use arithmetic::{finite, real};
+pub(crate) use arithmetic::{finite, real, whole};
 pub use errors::{LoadError, StartError};
 use fault::Fault;
 pub use inspect::VariableView;
@@ -173,7 +175,8 @@ impl Machine {
         self.tasks.start(&self.programs, &self.limits, program)
     }
 
-    /// Executes a task until it waits, ends, or has used up `fuel` instructions.
+    /// Executes a task until it waits, ends, or has used up `fuel` instructions. The conditions that are looked at in
+    /// between are counted too, and may go beyond that: cut into smaller slices, a task uses the same in all.
     ///
     /// A task that ended, or that does not exist, reports its end and uses nothing.
     pub fn run(&mut self, id: TaskId, fuel: u32, host: &mut dyn Host) -> Slice {
@@ -265,6 +268,7 @@ impl Machine {
         if matches!(run, Run::Ended | Run::Aborted(_)) {
             task.handlers.clear();
             task.tp.monitors.clear();
+            task.tp.beside.clear();
             self.tasks.broadcast(Signal::Task(TaskVerb::Abort, id));
         }
         task.state = match &run {

@@ -7,9 +7,10 @@ use crate::{
     ast::TaskVerb,
     error::RuntimeError,
     host::{MotionId, TaskId},
+    port::Port,
     registers::Number,
     run::TaskState,
-    tp::Expr,
+    tp::{Branch, Expr},
 };
 
 #[derive(Debug)]
@@ -99,6 +100,12 @@ impl Task {
         self.handlers.iter().any(|handler| handler.enabled)
     }
 
+    /// Whether there is anything to look at between two statements.
+    pub(crate) fn looks(&self) -> bool {
+        let tp = &self.tp;
+        !(self.handlers.is_empty() && tp.monitors.is_empty() && tp.beside.is_empty())
+    }
+
     /// Whether its end is put off until its handlers have seen it.
     pub(crate) fn sees_its_end(&self) -> bool {
         self.has_enabled_handlers() && !self.interrupted && matches!(self.ending, Ending::No)
@@ -118,7 +125,9 @@ impl Task {
         }
         let enabled = self.handlers.iter().filter(|handler| handler.enabled);
         let monitors = self.tp.monitors.iter().map(|monitor| monitor.next);
-        enabled.map(|handler| handler.next).chain(monitors).min()
+        let beside = self.tp.beside.iter().map(|beside| beside.next);
+        let looks = enabled.map(|handler| handler.next);
+        looks.chain(monitors).chain(beside).min()
     }
 }
 
@@ -151,6 +160,56 @@ pub(crate) struct TpState {
     pub(crate) rounding: Option<MotionId>,
     /// What MONITOR looks at.
     pub(crate) monitors: Vec<Monitor>,
+    /// What motions do besides, and have not done.
+    pub(crate) beside: Vec<BesideMotion>,
+    /// Whose condition is looked at.
+    pub(crate) watch: Watch,
+    /// Ports as conditions with edges saw them last.
+    pub(crate) seen: Vec<Seen>,
+    /// The newest alarm when a condition was looked at first.
+    pub(crate) alarms: Vec<(Watch, i32)>,
+}
+
+/// Who looks at a condition again and again.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Watch {
+    /// A WAIT, or a line that looks once.
+    #[default]
+    Line,
+    /// The SKIP CONDITION.
+    Skip,
+    /// The MONITOR of this program, an index of the machine.
+    Monitor(usize),
+}
+
+/// A port as a condition saw it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seen {
+    pub(crate) watch: Watch,
+    pub(crate) port: Port,
+    pub(crate) number: i32,
+    pub(crate) on: bool,
+}
+
+/// `TA`, `TB` and `DB` of a motion that was started.
+#[derive(Clone, Debug)]
+pub(crate) struct BesideMotion {
+    pub(crate) motion: MotionId,
+    pub(crate) moment: Moment,
+    pub(crate) action: Branch,
+    /// When it is looked at.
+    pub(crate) next: Duration,
+}
+
+/// When something is done besides a motion.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Moment {
+    /// So long after the motion, at this time once it has ended.
+    After(Duration, Option<Duration>),
+    /// So long before it ends.
+    Before(Duration),
+    /// So many millimeters from this place, in the user frame.
+    Near(f32, [f32; 3]),
 }
 
 /// A program of conditions.

@@ -21,6 +21,7 @@ impl Exec<'_> {
             // Conditions do nothing but for a MONITOR.
             Instruction::Nothing | Instruction::When(..) => Ok(Flow::Next),
             Instruction::Jump(line) => Ok(self.jump(*line)),
+            Instruction::Goto(goal) => self.tp_goto(goal),
             Instruction::Assign { target, value } => self.tp_assign(target, value),
             Instruction::If { condition, then } => {
                 if !self.tp_holds(condition)? {
@@ -49,7 +50,9 @@ impl Exec<'_> {
             Instruction::For { head, behind } => self.tp_for(head, *behind),
             Instruction::EndFor { head, again } => self.tp_end_for(head, *again),
             Instruction::WaitSeconds(time) => self.tp_wait(time),
-            Instruction::WaitFor { condition, timeout } => self.tp_wait_for(condition, *timeout),
+            Instruction::WaitFor { condition, timeout } => {
+                self.tp_wait_for(condition, timeout.as_ref())
+            }
             Instruction::Call(call) => self.tp_call(call),
             Instruction::Run(name) => self.tp_run(name),
             Instruction::Move(motion) => self.tp_move(motion),
@@ -99,7 +102,7 @@ impl Exec<'_> {
     /// `behind`: where a program that is called comes back to, if not to the next line.
     fn tp_branch(&mut self, then: &Branch, behind: Option<u32>) -> Result<Flow, Fault> {
         match then {
-            Branch::Jump(line) => Ok(self.jump(*line)),
+            Branch::Jump(goal) => self.tp_goto(goal),
             Branch::Call(call) => {
                 let flow = self.tp_call(call)?;
                 if let (Some(behind), Some(caller)) = (behind, self.task.callers.last_mut()) {
@@ -109,6 +112,10 @@ impl Exec<'_> {
             }
             Branch::Assign(target, value) => {
                 let flow = self.tp_assign(target, value)?;
+                Ok(behind.map_or(flow, |behind| self.jump(behind)))
+            }
+            Branch::Pulse(port, index, width) => {
+                let flow = self.tp_pulse((*port, *index), width.as_ref())?;
                 Ok(behind.map_or(flow, |behind| self.jump(behind)))
             }
         }

@@ -7,12 +7,13 @@ use super::{
     tp_value::{Term, no_such},
 };
 use crate::{
+    host::TpTarget,
     port::{Port, PortValue},
     position::{Position, XyzwprExt},
     registers::{Number, PositionRegister},
     status::Status,
     syspath::SysPath,
-    tp::{Expr, Index, Place},
+    tp::{Expr, FrameKind, Index, Place, Taught},
     value::{SysValue, Value},
 };
 
@@ -37,6 +38,10 @@ impl Exec<'_> {
                 let n = self.tp_index(*index)?;
                 let set = self.registers.set_position(n, value);
                 set.map_err(|status| no_such("PR", n, status))?;
+            }
+            (Place::Taught(index), Term::Position(value)) => {
+                let n = self.tp_index(*index)?;
+                self.tp_teach(n, value)?;
             }
             (Place::Component(register, component), Term::Number(value)) => {
                 let component = self.tp_index(*component)?;
@@ -70,6 +75,28 @@ impl Exec<'_> {
             }
         }
         Ok(Flow::Next)
+    }
+
+    /// The program's own position is taught, in the frames that are active; as by a built-in, the listing stays as it is.
+    fn tp_teach(&mut self, number: i32, value: PositionRegister) -> Result<(), Fault> {
+        let target = match value {
+            PositionRegister::Cartesian(position) => TpTarget::Cartesian(position),
+            PositionRegister::Joints(joints) => TpTarget::Joints(joints),
+            PositionRegister::Unset => {
+                let message = format!("P[{number}] cannot be set: the position has no value");
+                return Err(Fault::new(Status::INTP_UNINIT, message));
+            }
+        };
+        let taught = Taught {
+            number,
+            frame: Some(self.tp_active(FrameKind::User)?),
+            tool: Some(self.tp_active(FrameKind::Tool)?),
+            target,
+        };
+        if self.teaching.change(self.program.name(), taught) {
+            return Ok(());
+        }
+        Err(Fault::new(Status::INTP_LIMIT, "Too many positions"))
     }
 
     pub(super) fn tp_set_system(&mut self, path: &SysPath, value: Value) -> Result<(), Fault> {

@@ -3,9 +3,8 @@
 use super::{
     exec::{Exec, Flow},
     fault::Fault,
-    task::Pending,
+    task::{Pending, Watch},
     tp_value::{Term, no_such},
-    tp_wait::LOOK,
 };
 use crate::{
     frame::Frame,
@@ -24,9 +23,14 @@ impl Exec<'_> {
             id
         } else {
             let request = self.tp_request(motion)?;
+            let beside = motion.beside.is_some().then(|| request.clone());
             match self.host.start_tp_motion(self.id, request, self.registers) {
                 Progress::Pending(wait) => return Ok(Flow::Blocked(wait)),
-                Progress::Ready(Ok(id)) => id,
+                Progress::Ready(Ok(id)) => {
+                    self.tp_forget(Watch::Skip);
+                    self.tp_begin_beside(motion, id, beside.as_ref())?;
+                    id
+                }
                 Progress::Ready(Err(status)) => {
                     return Err(Fault::from_host(status, "The motion was refused"));
                 }
@@ -45,7 +49,7 @@ impl Exec<'_> {
         match self.host.motion_ended(id) {
             // It looks at the SKIP CONDITION again and again.
             Progress::Pending(_) if motion.skip.is_some() => {
-                Ok(Flow::Blocked(Wait::Until(self.host.now() + LOOK)))
+                Ok(Flow::Blocked(Wait::Until(self.next_look())))
             }
             Progress::Pending(wait) => Ok(Flow::Blocked(wait)),
             Progress::Ready(status) if status.is_ok() => {
@@ -53,8 +57,8 @@ impl Exec<'_> {
                 self.task.pending = Pending::None;
                 let rounds = motion.rounding.is_some() && !skipped;
                 self.task.tp.rounding = rounds.then_some(id);
-                match motion.skip {
-                    Some(label) if !skipped => Ok(self.jump(label)),
+                match &motion.skip {
+                    Some(label) if skipped == motion.skip_jumps => self.tp_goto(label),
                     Some(_) | None => Ok(Flow::Next),
                 }
             }
@@ -98,7 +102,7 @@ impl Exec<'_> {
             let message = "Skip without a SKIP CONDITION";
             return Err(Fault::new(Status::INTP_UNINIT, message));
         };
-        self.tp_holds(&condition)
+        self.tp_sees(Watch::Skip, &condition)
     }
 
     fn tp_request(&mut self, motion: &Motion) -> Result<TpMotion, Fault> {
@@ -181,7 +185,8 @@ impl Exec<'_> {
                 let changed = self.teaching.changed(self.program.name(), n);
                 let taught = changed.or_else(|| positions.get(&n).map(AsRef::as_ref));
                 let Some(taught) = taught else {
-                    return Err(no_such("P", n, Status::VARS_INDEX));
+                    let message = format!("P[{n}] has no value");
+                    return Err(Fault::new(Status::INTP_UNINIT, message));
                 };
                 self.check_frames(taught)?;
                 Ok(taught.target.clone())

@@ -7,6 +7,7 @@ use super::{
     tp_calculate::{combine, component_of, real},
 };
 use crate::{
+    host::TpTarget,
     port::PortValue,
     position::{JointPosition, Position},
     registers::{Number, PositionRegister},
@@ -95,6 +96,21 @@ impl Exec<'_> {
                 let position = self.registers.position(n);
                 Term::Position(position.map_err(|status| no_such("PR", n, status))?.clone())
             }
+            Operand::Taught(index) => {
+                let n = self.tp_index(*index)?;
+                let changed = self.teaching.changed(self.program.name(), n);
+                let known = self.program.code.positions.get(&n).map(AsRef::as_ref);
+                let Some(taught) = changed.or(known) else {
+                    let message = format!("P[{n}] has no value");
+                    return Err(Fault::new(Status::INTP_UNINIT, message));
+                };
+                Term::Position(match &taught.target {
+                    TpTarget::Cartesian(position) => PositionRegister::Cartesian(*position),
+                    TpTarget::Joints(joints) => PositionRegister::Joints(joints.clone()),
+                })
+            }
+            Operand::ErrorNumber => self.tp_error_number(),
+            Operand::Function(function, operands) => self.tp_function(*function, operands)?,
             Operand::Component(register, component) => {
                 let n = self.tp_index(*register)?;
                 let component = self.tp_index(*component)?;
@@ -168,7 +184,7 @@ impl Exec<'_> {
     }
 
     /// The number of the frame in use.
-    fn tp_active(&self, kind: FrameKind) -> Result<i32, Fault> {
+    pub(super) fn tp_active(&self, kind: FrameKind) -> Result<i32, Fault> {
         let path = SysPath::from_name(kind.variables().1).index(&[1]);
         let Value::Integer(number) = self.tp_system(&path)? else {
             let message = format!("{path} is no number");
@@ -187,7 +203,7 @@ impl Exec<'_> {
     }
 
     /// The frames in use; number 0 is the world, or the flange.
-    fn tp_frames(&self) -> Result<(Position, Position), Fault> {
+    pub(super) fn tp_frames(&self) -> Result<(Position, Position), Fault> {
         let used = |kind| match self.tp_active(kind)? {
             0 => Ok(Position::default()),
             n => self.tp_frame(kind, n),
@@ -229,6 +245,11 @@ impl Exec<'_> {
         match value {
             Expr::Operand(operand) => self.tp_operand(operand),
             Expr::Group(inner) => self.tp_value(inner),
+            Expr::Edge {
+                port,
+                index,
+                rising,
+            } => self.tp_edge(*port, *index, *rising).map(Term::Switch),
             Expr::Not(inner) => match self.tp_value(inner)? {
                 Term::Switch(on) => Ok(Term::Switch(!on)),
                 Term::Number(_) | Term::Text(_) | Term::Position(_) => {

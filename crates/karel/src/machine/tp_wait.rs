@@ -5,7 +5,7 @@ use std::time::Duration;
 use super::{
     exec::{Exec, Flow},
     fault::Fault,
-    task::{Monitor, Pending},
+    task::{Monitor, Pending, Watch},
     tp_value::no_such,
 };
 use crate::{
@@ -13,14 +13,12 @@ use crate::{
     port::{Port, PortValue},
     status::Status,
     syspath::SysPath,
-    tp::{Expr, Index, Instruction, Operand, TimerAction},
+    tp::{Expr, Goal, Index, Instruction, Operand, TimerAction},
     value::Value,
 };
 
-/// How often a WAIT, a SKIP CONDITION and a MONITOR look.
-///
-/// ASSUMPTION: one interpolation period.
-pub(super) const LOOK: Duration = Duration::from_millis(8);
+/// How often a WAIT, a SKIP CONDITION and a MONITOR look at a host without interpolation.
+const LOOK: Duration = Duration::from_millis(8);
 
 /// Most programs of conditions that a task looks at.
 ///
@@ -28,17 +26,26 @@ pub(super) const LOOK: Duration = Duration::from_millis(8);
 const MOST_MONITORS: usize = 10;
 
 impl Exec<'_> {
+    /// When a WAIT, a SKIP CONDITION or a MONITOR looks again.
+    ///
+    /// ASSUMPTION: after one interpolation period.
+    pub(super) fn next_look(&self) -> Duration {
+        let period = self.host.interpolation_period();
+        self.host.now() + if period.is_zero() { LOOK } else { period }
+    }
+
     /// ASSUMPTION: `$WAITTMOUT` is in hundredths of a second, 30 s if this controller has none.
     pub(super) fn tp_wait_for(
         &mut self,
         condition: &Expr,
-        timeout: Option<u32>,
+        timeout: Option<&Goal>,
     ) -> Result<Flow, Fault> {
-        if self.tp_holds(condition)? {
+        if self.tp_sees(Watch::Line, condition)? {
+            self.tp_forget(Watch::Line);
             self.task.pending = Pending::None;
             return Ok(Flow::Next);
         }
-        let look = self.host.now() + LOOK;
+        let look = self.next_look();
         let Some(label) = timeout else {
             return Ok(Flow::Blocked(Wait::Until(look)));
         };
@@ -53,8 +60,9 @@ impl Exec<'_> {
             self.host.now() + Duration::from_millis(hundredths * 10)
         };
         if self.host.now() >= until {
+            self.tp_forget(Watch::Line);
             self.task.pending = Pending::None;
-            return Ok(self.jump(label));
+            return self.tp_goto(label);
         }
         self.task.pending = Pending::Deadline(until);
         Ok(Flow::Blocked(Wait::Until(look.min(until))))
@@ -153,6 +161,7 @@ impl Exec<'_> {
             let message = format!("There is no program {name}");
             return Err(Fault::new(Status::INTP_CALL_FAILED, message));
         };
+        self.tp_forget(Watch::Monitor(program));
         let next = self.host.now();
         let monitors = &mut self.task.tp.monitors;
         monitors.retain(|monitor| monitor.program != program);
@@ -170,6 +179,7 @@ impl Exec<'_> {
         if self.task.paused {
             return Ok(());
         }
+        let next = self.next_look();
         for at in 0..self.task.tp.monitors.len() {
             let Some(monitor) = self.task.tp.monitors.get_mut(at) else {
                 break;
@@ -177,7 +187,7 @@ impl Exec<'_> {
             if monitor.next > now {
                 continue;
             }
-            monitor.next = now + LOOK;
+            monitor.next = next;
             let program = monitor.program;
             let programs = self.programs;
             let lines = programs.get(program).map(|loaded| &loaded.program.code.tp);
@@ -186,7 +196,7 @@ impl Exec<'_> {
                 let Instruction::When(condition, call) = line else {
                     continue;
                 };
-                if !self.tp_holds(condition)? {
+                if !self.tp_sees(Watch::Monitor(program), condition)? {
                     continue;
                 }
                 let mut programs = programs.iter();

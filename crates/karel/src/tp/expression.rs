@@ -1,7 +1,7 @@
 //! Values and conditions: `R[1]+1`, `(DI[1] AND !F[2] OR R[3]>=5)`.
 
 use super::{
-    Arithmetic, Expr, FrameKind, Index, Operand, Operator,
+    Arithmetic, Expr, FrameKind, Function, Index, Operand, Operator,
     scan::{Scanned, Scanner},
 };
 use crate::{ast::Relation, port::Port, syspath::SysPath};
@@ -21,6 +21,26 @@ const PORTS: &[(&str, Port)] = &[
     ("UO", Port::UserOut),
     ("SI", Port::PanelIn),
     ("SO", Port::PanelOut),
+];
+
+/// Functions by their words, and how many values each has; the first three stand without brackets.
+const FUNCTIONS: &[(&str, Function, usize)] = &[
+    ("STRLEN", Function::Length, 1),
+    ("SUBSTR", Function::Part, 3),
+    ("FINDSTR", Function::Find, 2),
+    ("ABS", Function::Abs, 1),
+    ("SQRT", Function::Sqrt, 1),
+    ("SIN", Function::Sin, 1),
+    ("COS", Function::Cos, 1),
+    ("TAN", Function::Tan, 1),
+    ("ASIN", Function::Asin, 1),
+    ("ACOS", Function::Acos, 1),
+    ("ATAN", Function::Atan, 1),
+    ("ATAN2", Function::Atan2, 2),
+    ("LN", Function::Ln, 1),
+    ("EXP", Function::Exp, 1),
+    ("ROUND", Function::Round, 1),
+    ("TRUNC", Function::Trunc, 1),
 ];
 
 /// Parentheses in each other, and operators of one level in a row.
@@ -54,6 +74,16 @@ const LEVELS: [&[(&str, Operator)]; 5] = [
 impl Scanner<'_> {
     /// A value or condition. Outside of parentheses there is no mixed logic.
     pub(super) fn expression(&mut self) -> Scanned<Expr> {
+        let value = self.watched_expression()?;
+        if changes(&value) {
+            let what = "ON+, OFF- or ERR_NUM outside of WAIT, SKIP CONDITION and WHEN";
+            return Err(self.unsupported(what));
+        }
+        Ok(value)
+    }
+
+    /// The same, where it is looked at again and again: `ON+`, `OFF-` and `ERR_NUM` are there, too.
+    pub(super) fn watched_expression(&mut self) -> Scanned<Expr> {
         let value = self.level(0, DEEPEST)?;
         if mixes(&value, is_sum, is_product) {
             return Err(self.unsupported("a mixture of + - with other operators in one line"));
@@ -74,6 +104,17 @@ impl Scanner<'_> {
             terms += 1;
             if terms > MOST_TERMS {
                 return Err(self.unsupported("so many tests or terms in one line"));
+            }
+            if let (Operator::Relation(Relation::Equal), Expr::Operand(Operand::Port(port, index))) =
+                (operator, &left)
+                && let Some(rising) = self.edge()
+            {
+                left = Expr::Edge {
+                    port: *port,
+                    index: *index,
+                    rising,
+                };
+                continue;
             }
             let right = self.level(level + 1, depth)?;
             left = Expr::Binary(operator, Box::new(left), Box::new(right));
@@ -112,8 +153,30 @@ impl Scanner<'_> {
         found.map(|(_, port)| *port)
     }
 
-    /// `5`, `(-1)`, `ON`, `R[3]`, `DI[2:part]`, `AR[1]`, `'text'`.
+    /// `5`, `(-1)`, `ON`, `R[3]`, `DI[2:part]`, `AR[1]`, `'text'`, `ABS[R[1]]`, `STRLEN SR[1]`.
     pub(super) fn operand(&mut self) -> Scanned<Operand> {
+        for (word, function, count) in FUNCTIONS {
+            if self.eat_word(word) {
+                let brackets =
+                    !matches!(function, Function::Length | Function::Part | Function::Find);
+                if brackets {
+                    self.expect("[")?;
+                }
+                let mut values = vec![self.plain_operand()?];
+                while values.len() < *count {
+                    self.expect(",")?;
+                    values.push(self.plain_operand()?);
+                }
+                if brackets {
+                    self.expect("]")?;
+                }
+                return Ok(Operand::Function(*function, values.into()));
+            }
+        }
+        self.plain_operand()
+    }
+
+    fn plain_operand(&mut self) -> Scanned<Operand> {
         if self.eat_word("ON") || self.eat_word("TRUE") {
             return Ok(Operand::Switch(true));
         }
@@ -125,6 +188,15 @@ impl Scanner<'_> {
                 (register, None) => Operand::Position(register),
                 (register, Some(component)) => Operand::Component(register, component),
             });
+        }
+        if self.sees("P[") && self.eat_word("P") {
+            return Ok(Operand::Taught(self.index()?));
+        }
+        if self.sees("VR[") {
+            return Err(self.unsupported("a vision register: there is no camera, so VR"));
+        }
+        if self.eat_word("ERR_NUM") {
+            return Ok(Operand::ErrorNumber);
         }
         if self.eat_word("SR") {
             return Ok(Operand::Text(self.index()?));
@@ -157,7 +229,7 @@ impl Scanner<'_> {
             return Ok(Operand::System(self.system_path()?));
         }
         if self.eat("'") {
-            let text = crate::span::latin1(self.up_to(b'\'')?);
+            let text = crate::span::latin1(self.quoted()?);
             return Ok(Operand::Literal(text.as_str().into()));
         }
         if self.eat("(") {
@@ -217,7 +289,7 @@ impl Scanner<'_> {
         } else {
             None
         };
-        let _comment = self.up_to(b']')?;
+        let _comment = self.rest_of_bracket()?;
         Ok((index, component))
     }
 
@@ -231,7 +303,7 @@ impl Scanner<'_> {
         };
         self.expect("[")?;
         let number = self.integer("a register's number")?;
-        let _comment = self.up_to(b']')?;
+        let _comment = self.rest_of_bracket()?;
         Ok(make(number))
     }
 }
@@ -247,6 +319,16 @@ fn is_product(operator: Operator) -> bool {
     matches!(operator, Operator::Arithmetic(_)) && !is_sum(operator)
 }
 
+/// Whether a condition needs to be looked at again and again.
+fn changes(expr: &Expr) -> bool {
+    match expr {
+        Expr::Edge { .. } => true,
+        Expr::Operand(operand) => *operand == Operand::ErrorNumber,
+        Expr::Group(inner) | Expr::Not(inner) => changes(inner),
+        Expr::Binary(_, left, right) => changes(left) || changes(right),
+    }
+}
+
 /// Whether operators of both kinds are there outside of parentheses.
 fn mixes(expr: &Expr, one: fn(Operator) -> bool, other: fn(Operator) -> bool) -> bool {
     has(expr, one) && has(expr, other)
@@ -254,7 +336,7 @@ fn mixes(expr: &Expr, one: fn(Operator) -> bool, other: fn(Operator) -> bool) ->
 
 fn has(expr: &Expr, kind: fn(Operator) -> bool) -> bool {
     match expr {
-        Expr::Operand(_) | Expr::Group(_) => false,
+        Expr::Operand(_) | Expr::Group(_) | Expr::Edge { .. } => false,
         Expr::Not(inner) => has(inner, kind),
         Expr::Binary(operator, left, right) => {
             kind(*operator) || has(left, kind) || has(right, kind)

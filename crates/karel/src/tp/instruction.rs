@@ -4,13 +4,13 @@ use super::{
     Call, Expr, ForHead, Index, Instruction, Operand, Operator, Place,
     scan::{Scanned, Scanner},
 };
-use crate::ast::Relation;
+use crate::{ast::Relation, port::Port};
 
 /// A line whose jumps still name labels, and whose blocks are not matched.
 #[derive(Debug)]
 pub(super) enum Line {
     Label(i32),
-    Jump(i32),
+    Jump(Index),
     If(Expr, Then),
     IfThen(Expr),
     Else,
@@ -23,49 +23,49 @@ pub(super) enum Line {
         then: Then,
         is_first: bool,
     },
-    WaitFor(Expr, Option<i32>),
+    WaitFor(Expr, Option<Index>),
     Done(Instruction),
     /// A motion; its target, and the position on its arc, are of the `/POS` section if they have a
     /// number.
     Move {
-        motion: super::Motion,
+        motion: Box<super::Motion>,
         target: Option<Index>,
         via: Option<Index>,
-        skip: Option<i32>,
+        skip: Option<Index>,
     },
 }
 
 /// What follows a condition.
 #[derive(Debug)]
 pub(super) enum Then {
-    Jump(i32),
+    Jump(Index),
     Call(Call),
     Assign(Place, Expr),
+    Pulse(Port, Index, Option<Operand>),
 }
 
 /// Words of instructions that are TP and not run yet.
 const NOT_YET: &[&str] = &[
-    "COL GUARD",
     "ERROR_PROG",
     "JOINT_MAX_SPEED",
     "LINEAR_MAX_SPEED",
     "LOCK VREG",
-    "P",
     "RESUME_PROG",
     "RSR",
     "UNLOCK VREG",
+    "VISION",
 ];
 
 /// Most arguments of a CALL.
 ///
-/// ASSUMPTION: as many as manuals of the field name.
-const MOST_ARGUMENTS: usize = 10;
+/// ASSUMPTION: programs of the field have up to 14.
+const MOST_ARGUMENTS: usize = 30;
 
 impl Scanner<'_> {
     /// The instruction of a line that is not empty. `selects` is what the lines of a SELECT before
     /// it compare.
     pub(super) fn line(&mut self, selects: &mut Option<Operand>) -> Scanned<Line> {
-        if self.sees("!") || self.sees("//") || self.sees("--eg:") {
+        if self.sees("!") || self.sees("//") || self.sees("--") {
             return Ok(Line::Done(Instruction::Nothing));
         }
         let line = self.one_line(selects)?;
@@ -99,7 +99,12 @@ impl Scanner<'_> {
             }
         }
         Ok(if self.sees("LBL") {
-            Line::Label(self.label()?)
+            match self.label()? {
+                Index::Fixed(label) => Line::Label(label),
+                Index::Register(_) | Index::Argument(_) => {
+                    return Err(self.wrong(0, "a label is a number; only a jump can look it up"));
+                }
+            }
         } else if self.eat_word("JMP") {
             Line::Jump(self.label()?)
         } else if self.eat_word("IF") {
@@ -123,23 +128,17 @@ impl Scanner<'_> {
             Line::Done(match value {
                 Assigned::Value(value) => Instruction::Assign { target, value },
                 Assigned::Pulse(width) => {
-                    let Place::Port(port, index) = target else {
-                        return Err(self.wrong(0, "only an output can be pulsed"));
-                    };
+                    let (port, index) = self.pulsed(&target)?;
                     Instruction::Pulse(port, index, width)
                 }
             })
         })
     }
 
-    pub(super) fn label(&mut self) -> Scanned<i32> {
+    /// `LBL[1:comment]`, `LBL[R[1]]`.
+    pub(super) fn label(&mut self) -> Scanned<Index> {
         self.expect("LBL")?;
-        match self.index()? {
-            Index::Fixed(number) => Ok(number),
-            Index::Register(_) | Index::Argument(_) => {
-                Err(self.unsupported("a label whose number is in a register"))
-            }
-        }
+        self.index()
     }
 
     pub(super) fn callee(&mut self) -> Scanned<Call> {
@@ -160,7 +159,14 @@ impl Scanner<'_> {
         Ok(Call { program, arguments })
     }
 
-    fn then(&mut self) -> Scanned<Then> {
+    fn pulsed(&mut self, target: &Place) -> Scanned<(Port, Index)> {
+        let Place::Port(port, index) = target else {
+            return Err(self.wrong(0, "only an output can be pulsed"));
+        };
+        Ok((*port, *index))
+    }
+
+    pub(super) fn then(&mut self) -> Scanned<Then> {
         if self.eat_word("JMP") {
             return Ok(Then::Jump(self.label()?));
         }
@@ -169,7 +175,10 @@ impl Scanner<'_> {
         }
         match self.assignment()? {
             (place, Assigned::Value(value)) => Ok(Then::Assign(place, value)),
-            (_, Assigned::Pulse(_)) => Err(self.unsupported("a pulse behind IF")),
+            (target, Assigned::Pulse(width)) => {
+                let (port, index) = self.pulsed(&target)?;
+                Ok(Then::Pulse(port, index, width))
+            }
         }
     }
 
@@ -217,7 +226,7 @@ impl Scanner<'_> {
 
     /// `WAIT   1.50(sec)`, `WAIT R[3]`, `WAIT DI[1]=ON TIMEOUT,LBL[2]`.
     fn wait(&mut self) -> Scanned<Line> {
-        let value = self.expression()?;
+        let value = self.watched_expression()?;
         if let Expr::Operand(time) = &value
             && (self.eat("(sec)")
                 || (self.at_end()
@@ -264,6 +273,9 @@ impl Scanner<'_> {
                 (register, Some(component)) => Place::Component(register, component),
             });
         }
+        if self.eat_word("P") {
+            return Ok(Place::Taught(self.index()?));
+        }
         if self.eat_word("R") {
             return Ok(Place::Number(self.index()?));
         }
@@ -284,7 +296,11 @@ impl Scanner<'_> {
                 return Err(self.unsupported(&format!("the instruction {word}")));
             }
         }
-        Err(self.expected("an instruction"))
+        let error = self.expected("an instruction");
+        self.reports.help(
+            "a macro is known by its program: write CALL and the program's name instead of its words",
+        );
+        Err(error)
     }
 }
 

@@ -195,7 +195,7 @@ impl Sections {
 
 fn is_name(name: &str) -> bool {
     let part = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-');
-    name.starts_with(|c: char| c.is_ascii_alphabetic())
-        && name.len() <= 36
+    !name.starts_with(|c: char| c.is_ascii_digit())
+        && (1..=36).contains(&name.len())
         && name.chars().all(part)
 }

@@ -32,6 +32,7 @@ pub(crate) enum Instruction {
     Nothing,
     /// To an instruction of the same program.
     Jump(u32),
+    Goto(Goal),
     Assign {
         target: Place,
         value: Expr,
@@ -65,11 +66,11 @@ pub(crate) enum Instruction {
     WaitFor {
         condition: Expr,
         /// Where to when it takes longer than `$WAITTMOUT`.
-        timeout: Option<u32>,
+        timeout: Option<Goal>,
     },
     Call(Call),
     Run(Arc<str>),
-    Move(Motion),
+    Move(Box<Motion>),
     /// Without a time it is that of `$DEFPULSE`.
     Pulse(Port, Index, Option<Operand>),
     Timer(Index, TimerAction),
@@ -111,11 +112,27 @@ pub(crate) struct Call {
 /// What follows a condition that holds.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Branch {
-    Jump(u32),
+    Jump(Goal),
     Call(Call),
     /// An assignment, of mixed logic.
     Assign(Place, Expr),
+    /// As [`Instruction::Pulse`].
+    Pulse(Port, Index, Option<Operand>),
 }
+
+/// A label.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Goal {
+    /// It is this instruction.
+    At(u32),
+    /// It is not there, which only who goes there finds out.
+    Missing(i32),
+    /// Its number is in a register.
+    By(Index, Arc<Labels>),
+}
+
+/// The labels of a program.
+pub(crate) type Labels = BTreeMap<i32, u32>;
 
 /// What can be assigned.
 #[derive(Clone, Debug, PartialEq)]
@@ -123,6 +140,8 @@ pub(crate) enum Place {
     Number(Index),
     Text(Index),
     Position(Index),
+    /// `P[1]`.
+    Taught(Index),
     /// `PR[1,2]`.
     Component(Index, Index),
     Port(Port, Index),
@@ -169,6 +188,8 @@ pub(crate) enum Operand {
     Text(Index),
     Argument(Index),
     Position(Index),
+    /// `P[1]`.
+    Taught(Index),
     Component(Index, Index),
     Port(Port, Index),
     Frame(FrameKind, Index),
@@ -179,6 +200,31 @@ pub(crate) enum Operand {
     LinearPosition,
     JointPosition,
     System(SysPath),
+    /// `ERR_NUM`: the number of the alarm that was raised since the condition is looked at, 0 if there was none.
+    ErrorNumber,
+    /// `STRLEN SR[1]`, `ABS[R[1]]`.
+    Function(Function, Arc<[Operand]>),
+}
+
+/// What is calculated of values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Function {
+    Length,
+    Part,
+    Find,
+    Abs,
+    Sqrt,
+    Sin,
+    Cos,
+    Tan,
+    Asin,
+    Acos,
+    Atan,
+    Atan2,
+    Ln,
+    Exp,
+    Round,
+    Trunc,
 }
 
 /// A value or a condition; its depth is bounded by the scanner.
@@ -188,6 +234,12 @@ pub(crate) enum Expr {
     /// What was written in parentheses.
     Group(Box<Expr>),
     Not(Box<Expr>),
+    /// `DI[1]=ON+` and `DI[1]=OFF-`: the port went on, or off, while the condition was looked at.
+    Edge {
+        port: Port,
+        index: Index,
+        rising: bool,
+    },
     Binary(Operator, Box<Expr>, Box<Expr>),
 }
 
@@ -228,9 +280,32 @@ pub(crate) struct Motion {
     /// `Wjnt`: the wrist turns as in a joint motion.
     pub(crate) wrist_joint: bool,
     /// `Skip`: where to when the motion ends without its SKIP CONDITION.
-    pub(crate) skip: Option<u32>,
+    pub(crate) skip: Option<Goal>,
+    /// `SkipJump`: where to when it ends with it.
+    pub(crate) skip_jumps: bool,
     /// `Skip,LBL[1],PR[2]=LPOS`: the register that keeps where the arm was when the condition held.
     pub(crate) skip_keeps: Option<(Index, Operand)>,
+    /// `TA`, `TB`, `DB`.
+    pub(crate) beside: Option<Beside>,
+}
+
+/// What a motion does besides.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Beside {
+    pub(crate) when: BesideWhen,
+    /// A call without arguments, or an assignment.
+    pub(crate) action: Branch,
+}
+
+/// Seconds and millimeters, neither below 0.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum BesideWhen {
+    /// `TA .30sec`.
+    After(Operand),
+    /// `TB .70sec`.
+    Before(Operand),
+    /// `DB 10.0mm`.
+    Near(Operand),
 }
 
 /// `Offset`, `Tool_Offset`.

@@ -1,8 +1,8 @@
 //! Motion instructions: `J PR[1] R[2]% FINE`, `L P[3:place] 250mm/sec CNT50 ACC80`.
 
 use super::{
-    Index, Motion, MotionTarget, Operand, Shift, SpeedUnit,
-    instruction::Line,
+    Beside, BesideWhen, Branch, Index, Motion, MotionTarget, Operand, Shift, SpeedUnit,
+    instruction::{Line, Then},
     scan::{Scanned, Scanner},
 };
 use crate::host::Interpolation;
@@ -47,7 +47,9 @@ impl Scanner<'_> {
             incremental: false,
             wrist_joint: false,
             skip: None,
+            skip_jumps: false,
             skip_keeps: None,
+            beside: None,
         };
         let mut skip = None;
         while !self.at_end() {
@@ -59,15 +61,23 @@ impl Scanner<'_> {
             } else if self.eat_word("Offset") {
                 motion.offset = self.shift()?;
             } else if self.eat_word("INC") {
-                if interpolation == Interpolation::Circular {
-                    return Err(self.unsupported("INC of a motion C"));
-                }
                 motion.incremental = true;
             } else if self.eat_word("Wjnt") {
                 if interpolation == Interpolation::Joint {
                     return Err(self.wrong(0, "a motion J has no Wjnt"));
                 }
                 motion.wrist_joint = true;
+            } else if self.eat("AP_LD") || self.eat("RT_LD") {
+                // ASSUMPTION: the way is straight near its ends anyhow, up to the corner that CNT rounds.
+                let _distance = self.operand()?;
+            } else if self.eat_word("VOFFSET") {
+                return Err(self.unsupported("a vision offset: there is no camera, so VOFFSET"));
+            } else if let Some(beside) = self.beside()? {
+                motion.beside = Some(beside);
+            } else if self.eat_word("SkipJump") {
+                self.expect(",")?;
+                skip = Some(self.label()?);
+                motion.skip_jumps = true;
             } else if self.eat_word("Skip") {
                 self.expect(",")?;
                 skip = Some(self.label()?);
@@ -77,12 +87,49 @@ impl Scanner<'_> {
                 return Err(self.unsupported(&format!("the option {word} of a motion")));
             }
         }
+        if motion.incremental
+            && matches!(
+                &motion.beside,
+                Some(Beside {
+                    when: BesideWhen::Near(_),
+                    ..
+                })
+            )
+        {
+            return Err(self.unsupported("DB together with INC"));
+        }
         Ok(Line::Move {
-            motion,
+            motion: Box::new(motion),
             target: target.1,
             via: via.and_then(|(_, taught)| taught),
             skip,
         })
+    }
+
+    /// `TB .70sec,CALL PROGRAM`, `DB 10.0mm,DO[1]=ON`.
+    fn beside(&mut self) -> Scanned<Option<Beside>> {
+        let (when, unit): (fn(Operand) -> BesideWhen, _) = if self.eat_word("TA") {
+            (BesideWhen::After, "sec")
+        } else if self.eat_word("TB") {
+            (BesideWhen::Before, "sec")
+        } else if self.eat_word("DB") {
+            (BesideWhen::Near, "mm")
+        } else {
+            return Ok(None);
+        };
+        let when = when(self.operand()?);
+        self.expect(unit)?;
+        self.expect(",")?;
+        let action = match self.then()? {
+            Then::Call(call) if call.arguments.is_empty() => Branch::Call(call),
+            Then::Call(_) => {
+                return Err(self.unsupported("a CALL with arguments behind TA, TB and DB"));
+            }
+            Then::Assign(place, value) => Branch::Assign(place, value),
+            Then::Pulse(port, index, width) => Branch::Pulse(port, index, width),
+            Then::Jump(_) => return Err(self.wrong(0, "TA, TB and DB call or assign")),
+        };
+        Ok(Some(Beside { when, action }))
     }
 
     /// `,PR[2]=LPOS` behind `Skip,LBL[1]`.

@@ -1,6 +1,9 @@
 //! The `/POS` section: positions that were taught.
 
-use std::{collections::BTreeMap, sync::Arc};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    sync::Arc,
+};
 
 use super::{
     Taught,
@@ -20,27 +23,31 @@ pub(super) fn positions(
     reports: &mut Reports,
 ) -> BTreeMap<i32, Arc<Taught>> {
     let mut found = BTreeMap::new();
+    let mut numbers = BTreeSet::new();
     let mut scanner = Scanner::new(bytes, start, reports);
     while !scanner.at_end() {
-        let Ok(taught) = scanner.position() else {
+        let Ok((number, taught)) = scanner.position() else {
             break;
         };
-        let number = taught.number;
-        if found.insert(number, Arc::new(taught)).is_some() {
+        if !numbers.insert(number) {
             let message = format!("P[{number}] is there twice");
             scanner.reports.error(Span::new(start, start + 1), message);
+        }
+        if let Some(taught) = taught {
+            let _none = found.insert(number, Arc::new(taught));
         }
     }
     found
 }
 
 impl Scanner<'_> {
-    /// `P[1:"comment"]{ GP1: UF : 0, UT : 1, CONFIG : 'N U T, 0, 0, 0', X = 1.0 mm, .. };`
-    fn position(&mut self) -> Scanned<Taught> {
+    /// `P[1:"comment"]{ GP1: UF : 0, UT : 1, CONFIG : 'N U T, 0, 0, 0', X = 1.0 mm, .. };`. One that was never
+    /// taught has stars instead of numbers, and is `None`.
+    fn position(&mut self) -> Scanned<(i32, Option<Taught>)> {
         self.expect("P")?;
         self.expect("[")?;
         let number = self.integer("a position's number")?;
-        let _comment = self.up_to(b']')?;
+        let _comment = self.rest_of_bracket()?;
         self.expect("{")?;
         self.expect("GP1:")?;
         self.expect("UF")?;
@@ -58,22 +65,26 @@ impl Scanner<'_> {
                 return Err(self.wrong(from, format!("'{text}' is not a configuration")));
             };
             let _comma = self.eat(",");
-            let [x, y, z] = self.values(["X", "Y", "Z"], "mm")?;
-            let [w, p, r] = self.values(["W", "P", "R"], "deg")?;
-            TpTarget::Cartesian(XyzwprExt {
-                x,
-                y,
-                z,
-                w,
-                p,
-                r,
-                config,
-                ext: [0.0; 3],
+            let place = self.values(["X", "Y", "Z"], "mm")?;
+            let turn = self.values(["W", "P", "R"], "deg")?;
+            place.zip(turn).map(|([x, y, z], [w, p, r])| {
+                TpTarget::Cartesian(XyzwprExt {
+                    x,
+                    y,
+                    z,
+                    w,
+                    p,
+                    r,
+                    config,
+                    ext: [0.0; 3],
+                })
             })
         } else {
             let axes = self.values(["J1", "J2", "J3", "J4", "J5", "J6"], "deg")?;
-            TpTarget::Joints(JointPosition {
-                axes: axes.to_vec(),
+            axes.map(|axes| {
+                TpTarget::Joints(JointPosition {
+                    axes: axes.to_vec(),
+                })
             })
         };
         if self.sees("GP") || self.sees("E1") {
@@ -81,12 +92,13 @@ impl Scanner<'_> {
         }
         self.expect("}")?;
         self.expect(";")?;
-        Ok(Taught {
+        let taught = target.map(|target| Taught {
             number,
             frame,
             tool,
             target,
-        })
+        });
+        Ok((number, taught))
     }
 
     /// `: 3`, or `: F` for whatever is active.
@@ -98,13 +110,25 @@ impl Scanner<'_> {
         self.integer("a frame's number").map(Some)
     }
 
-    /// `X = 600.000 mm, Y = ..`.
-    fn values<const N: usize>(&mut self, names: [&str; N], unit: &str) -> Scanned<[f32; N]> {
+    /// `X = 600.000 mm, Y = ..`; `None` with `X = ********  mm`.
+    fn values<const N: usize>(
+        &mut self,
+        names: [&str; N],
+        unit: &str,
+    ) -> Scanned<Option<[f32; N]>> {
         let mut values = [0.0; N];
+        let mut is_taught = true;
         for (name, value) in names.into_iter().zip(&mut values) {
             self.expect(name)?;
             self.expect("=")?;
             let from = self.here();
+            if self.eat("*") {
+                while self.eat("*") {}
+                is_taught = false;
+                self.expect(unit)?;
+                let _comma = self.eat(",");
+                continue;
+            }
             let text = self.number("a number")?;
             *value = match text.parse::<f32>() {
                 Ok(number) if number.is_finite() => number,
@@ -113,6 +137,6 @@ impl Scanner<'_> {
             self.expect(unit)?;
             let _comma = self.eat(",");
         }
-        Ok(values)
+        Ok(is_taught.then_some(values))
     }
 }

@@ -3,7 +3,7 @@
 use std::{collections::BTreeMap, sync::Arc};
 
 use super::{
-    Branch, ForHead, Index, Instruction, MotionTarget, Positions,
+    Branch, ForHead, Goal, Index, Instruction, Labels, MotionTarget, Positions,
     instruction::{Line, Then},
 };
 use crate::{diagnostic::Reports, span::Span};
@@ -32,7 +32,7 @@ pub(super) fn resolve(
     let blocks = match_blocks(&lines, reports);
     let selects = ends_of_selects(&lines);
     let mut resolver = Resolver {
-        labels,
+        labels: Arc::new(labels),
         taught: Arc::new(taught),
         reports,
     };
@@ -41,7 +41,7 @@ pub(super) fn resolve(
         let to = blocks.to.get(&at).copied().unwrap_or(at);
         let instruction = match line {
             Line::Label(_) | Line::EndIf => Instruction::Nothing,
-            Line::Jump(label) => Instruction::Jump(resolver.label(label, span)),
+            Line::Jump(label) => Instruction::Goto(resolver.label(label, span)),
             Line::If(condition, then) => Instruction::If {
                 condition,
                 then: resolver.then(then, span),
@@ -74,11 +74,11 @@ pub(super) fn resolve(
                 via,
                 skip,
             } => {
-                if let Some(position) = target.and_then(|n| resolver.position(n, span)) {
-                    motion.target = position;
+                if let Some(n) = target {
+                    motion.target = resolver.position(n, span);
                 }
-                if let Some(position) = via.and_then(|n| resolver.position(n, span)) {
-                    motion.via = Some(position);
+                if let Some(n) = via {
+                    motion.via = Some(resolver.position(n, span));
                 }
                 motion.skip = skip.map(|label| resolver.label(label, span));
                 Instruction::Move(motion)
@@ -90,18 +90,23 @@ pub(super) fn resolve(
 }
 
 struct Resolver<'a> {
-    labels: BTreeMap<i32, u32>,
+    labels: Arc<Labels>,
     taught: Arc<Positions>,
     reports: &'a mut Reports,
 }
 
 impl Resolver<'_> {
-    fn label(&mut self, label: i32, span: Span) -> u32 {
-        self.labels.get(&label).copied().unwrap_or_else(|| {
-            self.reports
-                .error(span, format!("there is no LBL[{label}]"));
-            0
-        })
+    /// A label that is not there is found by who goes there: programs of the field have such lines.
+    fn label(&mut self, label: Index, span: Span) -> Goal {
+        let Index::Fixed(number) = label else {
+            return Goal::By(label, self.labels.clone());
+        };
+        if let Some(at) = self.labels.get(&number) {
+            return Goal::At(*at);
+        }
+        let message = format!("there is no LBL[{number}]");
+        self.reports.warning(span, message);
+        Goal::Missing(number)
     }
 
     fn then(&mut self, then: Then, span: Span) -> Branch {
@@ -109,19 +114,21 @@ impl Resolver<'_> {
             Then::Jump(label) => Branch::Jump(self.label(label, span)),
             Then::Call(call) => Branch::Call(call),
             Then::Assign(place, value) => Branch::Assign(place, value),
+            Then::Pulse(port, index, width) => Branch::Pulse(port, index, width),
         }
     }
 
-    fn position(&mut self, index: Index, span: Span) -> Option<MotionTarget> {
+    fn position(&mut self, index: Index, span: Span) -> MotionTarget {
         let Index::Fixed(number) = index else {
-            return Some(MotionTarget::TaughtBy(index, self.taught.clone()));
+            return MotionTarget::TaughtBy(index, self.taught.clone());
         };
-        let found = self.taught.get(&number).cloned();
-        if found.is_none() {
-            self.reports
-                .error(span, format!("there is no P[{number}] in the section /POS"));
+        if let Some(taught) = self.taught.get(&number) {
+            return MotionTarget::Taught(taught.clone());
         }
-        found.map(MotionTarget::Taught)
+        // Who goes there finds out, unless a program has taught it until then.
+        let message = format!("P[{number}] was not taught");
+        self.reports.warning(span, message);
+        MotionTarget::TaughtBy(index, self.taught.clone())
     }
 }
 

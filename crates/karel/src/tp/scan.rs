@@ -67,13 +67,16 @@ impl<'a> Scanner<'a> {
         Err(self.expected(&format!("`{text}`")))
     }
 
-    /// A name: letters, digits, `_` and `-`, upper case.
+    /// A name: letters, digits, `_` and `-`, upper case. Programs of the field begin with `_` and `-`, too.
     pub(super) fn name(&mut self, what: &str) -> Scanned<String> {
         self.skip_blanks();
         let part = |byte: &u8| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-');
         let length = self.rest().iter().take_while(|byte| part(byte)).count();
         let text = self.rest().get(..length).unwrap_or_default();
-        if !text.first().is_some_and(u8::is_ascii_alphabetic) {
+        if !text
+            .first()
+            .is_some_and(|byte| part(byte) && !byte.is_ascii_digit())
+        {
             return Err(self.expected(what));
         }
         self.at += length;
@@ -125,6 +128,54 @@ impl<'a> Scanner<'a> {
         let text = self.rest().get(..length).unwrap_or_default();
         self.at += length + 1;
         Ok(text)
+    }
+
+    /// The rest of a bracket, which is taken: a comment may have brackets of its own, such as `F[5:UI[5]]`.
+    pub(super) fn rest_of_bracket(&mut self) -> Scanned<&'a [u8]> {
+        let mut open = 0_u32;
+        let closes = |byte: &u8| {
+            if *byte == b'[' {
+                open += 1;
+            } else if *byte == b']' {
+                if open == 0 {
+                    return true;
+                }
+                open -= 1;
+            }
+            is_line_end(*byte)
+        };
+        let length = self.rest().iter().position(closes);
+        let found = length.filter(|length| self.rest().get(*length) == Some(&b']'));
+        let Some(length) = found else {
+            // Brackets that do not match: the first one that closes ends it.
+            return self.up_to(b']');
+        };
+        let text = self.rest().get(..length).unwrap_or_default();
+        self.at += length + 1;
+        Ok(text)
+    }
+
+    /// A text up to its quote, which is taken; one between two letters belongs to the text: `'It can't move'`.
+    pub(super) fn quoted(&mut self) -> Scanned<&'a [u8]> {
+        let rest = self.rest();
+        let line = rest.iter().take_while(|byte| !is_line_end(**byte)).count();
+        let is_letter = |at: usize| rest.get(at).is_some_and(u8::is_ascii_alphabetic);
+        let ends = |at: &usize| {
+            let inside = at.checked_sub(1).is_some_and(is_letter) && is_letter(at + 1);
+            rest.get(*at) == Some(&b'\'') && !inside
+        };
+        let Some(length) = (0..line).find(ends) else {
+            return self.up_to(b'\'');
+        };
+        self.at += length + 1;
+        Ok(rest.get(..length).unwrap_or_default())
+    }
+
+    /// `ON+` is `true`, `OFF-` is `false`.
+    pub(super) fn edge(&mut self) -> Option<bool> {
+        [("ON+", true), ("OFF-", false)]
+            .into_iter()
+            .find_map(|(text, rising)| self.eat(text).then_some(rising))
     }
 
     /// What may be the path of a system variable, up to anything else.

@@ -21,7 +21,7 @@ impl Scanner<'_> {
             Instruction::Pause
         } else if self.eat_word("MESSAGE") {
             self.expect("[")?;
-            let text = latin1(self.up_to(b']')?);
+            let text = latin1(self.rest_of_bracket()?);
             Instruction::Message(text.trim().into())
         } else if self.eat_word("PAYLOAD") {
             // ASSUMPTION: the load changes no motion of this controller.
@@ -32,9 +32,24 @@ impl Scanner<'_> {
             Instruction::Nothing
         } else if self.eat("COL DETECT") {
             // ASSUMPTION: this arm hits nothing, so there is nothing to detect.
-            if !self.eat_word("ON") && !self.eat_word("OFF") {
-                return Err(self.expected("ON or OFF"));
+            self.on_or_off()?;
+            Instruction::Nothing
+        } else if self.eat("COL GUARD") || self.eat("STICK DETECT") {
+            // ASSUMPTION: as COL DETECT.
+            if self.eat_word("ADJUST") {
+                let _sensitivity = self.operand()?;
+            } else {
+                self.on_or_off()?;
             }
+            Instruction::Nothing
+        } else if self.eat_word("SOFTFLOAT") {
+            // ASSUMPTION: nothing pushes this arm, so it yields to nothing.
+            if !self.eat_word("END") {
+                let _schedule = self.index()?;
+            }
+            Instruction::Nothing
+        } else if self.eat("FOLLOW UP") {
+            // ASSUMPTION: as SOFTFLOAT.
             Instruction::Nothing
         } else if self.eat_word("TIMER") {
             self.timer()?
@@ -44,18 +59,18 @@ impl Scanner<'_> {
             let on = !self.eat_word("END");
             Instruction::Monitor(self.name("a program")?.into(), on)
         } else if self.eat_word("WHEN") {
-            let condition = self.expression()?;
+            let condition = self.watched_expression()?;
             self.expect(",")?;
             self.expect("CALL")?;
             Instruction::When(condition, self.callee()?)
         } else if self.eat_word("OVERRIDE") {
             self.expect("=")?;
             let percent = self.operand()?;
-            self.expect("%")?;
+            let _percent = self.eat("%");
             Instruction::Override(percent)
         } else if self.eat_word("SKIP") {
             self.expect("CONDITION")?;
-            Instruction::SkipCondition(self.expression()?)
+            Instruction::SkipCondition(self.watched_expression()?)
         } else if self.eat_word("OFFSET") {
             self.offset_condition(false)?
         } else if self.eat_word("TOOL_OFFSET") {
@@ -64,6 +79,13 @@ impl Scanner<'_> {
             return Ok(None);
         };
         Ok(Some(done))
+    }
+
+    fn on_or_off(&mut self) -> Scanned<()> {
+        if self.eat_word("ON") || self.eat_word("OFF") {
+            return Ok(());
+        }
+        Err(self.expected("ON or OFF"))
     }
 
     /// `TIMER[1]=START`, `STOP`, `RESET`.

@@ -19,11 +19,20 @@ use crate::host::{Event, ScriptedHost, run};
 #[test]
 fn golden_cases_give_what_they_gave() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cases");
-    let mut cases: Vec<_> = fs::read_dir(&folder)
+    give_what_they_gave(&folder, "kl", outcome);
+}
+
+/// Compares what becomes of each case of a folder, with either line end, with the file `.out` beside it.
+pub(crate) fn give_what_they_gave(
+    folder: &Path,
+    extension: &str,
+    outcome: fn(&[u8], &str) -> String,
+) {
+    let mut cases: Vec<PathBuf> = fs::read_dir(folder)
         .unwrap()
         .map(|entry| entry.unwrap().path())
         .collect();
-    cases.retain(|path| path.extension().is_some_and(|extension| extension == "kl"));
+    cases.retain(|path| path.extension().is_some_and(|found| found == extension));
     cases.sort();
     assert!(cases.len() >= 10, "the cases are missing");
     let update = std::env::var_os("UPDATE_GOLDEN").is_some();
@@ -32,11 +41,8 @@ fn golden_cases_give_what_they_gave() {
         let source = fs::read(&path).unwrap();
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         let found = outcome(&source, &name);
-        assert_eq!(
-            outcome(&with_crlf(&source), &name),
-            found,
-            "{name} with CRLF line ends"
-        );
+        let crlf = outcome(&with_crlf(&source), &name);
+        assert_eq!(crlf, found, "{name} with CRLF line ends");
         let golden = path.with_extension("out");
         if update {
             fs::write(&golden, &found).unwrap();

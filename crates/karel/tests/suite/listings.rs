@@ -118,6 +118,23 @@ fn waits_take_their_time_and_conditions_may_be_in_parentheses() {
     assert_eq!(integers(&lines, &[]), [1, 0, 0, 0]);
 }
 
+/// Programs of the field have such lines, and a controller loads them.
+#[test]
+fn labels_and_positions_that_are_not_there_are_warnings_with_their_line() {
+    for (line, reason) in [
+        ("J P[7] 100% FINE", "P[7] was not taught"),
+        ("WAIT DI[1]=ON TIMEOUT,LBL[9]", "there is no LBL[9]"),
+        ("JMP LBL[5]", "there is no LBL[5]"),
+    ] {
+        let text = listing(&["!first", line]);
+        let program = Program::parse_listing(text.as_bytes(), "t.ls").unwrap();
+        let [warning] = program.warnings() else {
+            panic!("{line}: {:?}", program.warnings());
+        };
+        assert_eq!((warning.message.as_str(), warning.line), (reason, 6));
+    }
+}
+
 #[test]
 fn what_is_not_run_yet_or_makes_no_sense_is_an_error_with_its_line() {
     for (line, reason) in [
@@ -136,7 +153,6 @@ fn what_is_not_run_yet_or_makes_no_sense_is_an_error_with_its_line() {
         ("L PR[1] 100% FINE", "a motion L has no speed in %"),
         ("L PR[1] 100mm/sec", "expected FINE or CNT"),
         ("L PR[1] 100mm/sec CNT101", "CNT is 0 to 100"),
-        ("J P[7] 100% FINE", "there is no P[7] in the section /POS"),
         ("IF (R[1]=1) THEN", "the block has no end"),
         ("ELSE", "ELSE without IF .. THEN"),
         ("ENDIF", "ENDIF without IF .. THEN"),
@@ -146,7 +162,6 @@ fn what_is_not_run_yet_or_makes_no_sense_is_an_error_with_its_line() {
             "IF R[1]=1 AND R[2]=2 OR R[3]=3,JMP LBL[1]",
             "AND and OR in one condition without parentheses",
         ),
-        ("WAIT DI[1]=ON TIMEOUT,LBL[9]", "there is no LBL[9]"),
         (
             "R[1]=((((((((((((((((((1))))))))))))))))))",
             "so many parentheses",
@@ -159,7 +174,6 @@ fn what_is_not_run_yet_or_makes_no_sense_is_an_error_with_its_line() {
         ("L PR[1] 2hours FINE", "expected `%`, `mm/sec`"),
         ("RSR[1]=ENABLE", "the instruction RSR is not supported yet"),
         ("$A..B=1", "is no variable"),
-        ("JMP LBL[5]", "there is no LBL[5]"),
         (
             "R[1]=",
             "expected a number, a register or an input or output",

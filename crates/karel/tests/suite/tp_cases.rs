@@ -12,41 +12,13 @@ use std::{
 use karel::{IncludeFiles, Limits, Machine, Number, Position, PositionRegister, Program, Value};
 
 use crate::{
-    golden::{loads, script, with_crlf},
+    golden::{give_what_they_gave, loads, script},
     host::{ScriptedHost, run},
 };
 
 #[test]
 fn listings_do_what_they_did() {
-    let mut cases: Vec<PathBuf> = fs::read_dir(folder())
-        .unwrap()
-        .map(|entry| entry.unwrap().path())
-        .collect();
-    cases.retain(|path| path.extension().is_some_and(|extension| extension == "ls"));
-    cases.sort();
-    assert!(cases.len() >= 10, "the cases are missing");
-    let update = std::env::var_os("UPDATE_GOLDEN").is_some();
-    let mut differences = String::new();
-    for path in cases {
-        let source = fs::read(&path).unwrap();
-        let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        let found = outcome(&source, &name);
-        let crlf = outcome(&with_crlf(&source), &name);
-        assert_eq!(crlf, found, "{name} with CRLF line ends");
-        let golden = path.with_extension("out");
-        if update {
-            fs::write(&golden, &found).unwrap();
-            continue;
-        }
-        let expected = String::from_utf8(fs::read(&golden).unwrap_or_default()).unwrap();
-        if expected != found {
-            let _ = writeln!(
-                differences,
-                "== {name}\n-- expected\n{expected}-- found\n{found}"
-            );
-        }
-    }
-    assert!(differences.is_empty(), "{differences}");
+    give_what_they_gave(&folder(), "ls", outcome);
 }
 
 fn folder() -> PathBuf {
@@ -58,6 +30,10 @@ fn outcome(source: &[u8], name: &str) -> String {
         Ok(program) => program,
         Err(diagnostics) => return karel::render(&diagnostics) + "\n",
     };
+    let mut out = String::new();
+    if !program.warnings().is_empty() {
+        out = karel::render(program.warnings()) + "\n\n";
+    }
     let mut machine = Machine::new(Limits::default());
     let root = program.name().to_owned();
     machine.load(program).unwrap();
@@ -78,7 +54,7 @@ fn outcome(source: &[u8], name: &str) -> String {
         .map(|(name, value)| (name.to_owned(), value)),
     );
     run(&mut machine, task, &mut host);
-    let mut out = host.trace;
+    out += &host.trace;
     let registers = machine.registers();
     for n in 1..=99 {
         match registers.number(n).unwrap() {

@@ -8,6 +8,7 @@ use std::sync::LazyLock;
 
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, Rotation3, Vector3};
 
+use crate::capsule::Capsule;
 use crate::frames::Frames;
 use crate::pose::Pose;
 use crate::serial::error::{OutsideRange, SerialError};
@@ -89,6 +90,8 @@ pub struct SerialJoint {
     pub max_speed: f64,
     /// The highest acceleration.
     pub max_acceleration: f64,
+    /// The highest jerk.
+    pub max_jerk: f64,
     /// Where the joint stands at home.
     pub home: f64,
 }
@@ -132,6 +135,7 @@ pub struct SerialArm {
     /// The sum of all link lengths and strokes, in millimeters: nothing of the arm is farther from
     /// its base.
     pub(crate) span: f64,
+    pub(crate) capsules: Vec<Capsule>,
 }
 
 const BUILTIN: [(&str, &str); 6] = [
@@ -222,7 +226,12 @@ impl SerialArm {
             coupling,
             offsets,
             span,
+            capsules: Vec::new(),
         }
+    }
+
+    pub(crate) fn with_capsules(self, capsules: Vec<Capsule>) -> SerialArm {
+        SerialArm { capsules, ..self }
     }
 
     /// As in the file.
@@ -254,6 +263,12 @@ impl SerialArm {
     #[must_use]
     pub fn span(&self) -> f64 {
         self.span
+    }
+
+    /// The capsules the arm is made of; none if the model file has none.
+    #[must_use]
+    pub fn capsules(&self) -> &[Capsule] {
+        &self.capsules
     }
 
     /// `X_W0`: where the chain begins in the world.

@@ -6,6 +6,8 @@ use nalgebra::Isometry3;
 use serde::Deserialize;
 use units::{Degrees, Millimeters};
 
+use crate::capsule::{CapsuleEntry, CapsuleError, expect_capsules};
+use crate::limits::JERK_PER_ACCELERATION;
 use crate::pose::{Pose, PoseError};
 use crate::serial::arm::{JointKind, SerialArm, SerialJoint};
 use crate::wpr::Xyzwpr;
@@ -158,6 +160,9 @@ pub enum SerialModelError {
         /// Between them, in degrees.
         alpha_deg: f64,
     },
+    /// A capsule of the arm's shape that is none.
+    #[error(transparent)]
+    Capsule(#[from] CapsuleError),
     /// All lengths are zero: the flange never leaves the base's origin.
     #[error("all lengths of the table are 0; at least one link must have a length")]
     NoLength,
@@ -176,6 +181,8 @@ struct ArmFile {
     base: Option<FrameEntry>,
     flange: Option<FrameEntry>,
     joints: Vec<JointEntry>,
+    #[serde(default)]
+    capsules: Vec<CapsuleEntry>,
 }
 
 /// The two conventions of a Denavit-Hartenberg table.
@@ -241,6 +248,8 @@ struct JointEntry {
     max_speed_mm_s: Option<f64>,
     max_acceleration_deg_s2: Option<f64>,
     max_acceleration_mm_s2: Option<f64>,
+    max_jerk_deg_s3: Option<f64>,
+    max_jerk_mm_s3: Option<f64>,
     home_deg: Option<f64>,
     home_mm: Option<f64>,
 }
@@ -282,7 +291,9 @@ pub(crate) fn read(text: &str) -> Result<SerialArm, SerialModelError> {
     }
     refuse_degenerate(&joints)?;
     let flange = frame("flange", file.flange.as_ref())?;
-    let arm = SerialArm::from_parts(file.name, file.manufacturer, joints, base, flange);
+    let capsules = expect_capsules(&file.capsules, joints.len())?;
+    let arm = SerialArm::from_parts(file.name, file.manufacturer, joints, base, flange)
+        .with_capsules(capsules);
     if arm.span <= ONE_LINE {
         return Err(SerialModelError::NoLength);
     }
@@ -402,6 +413,10 @@ fn check(entry: &JointEntry, before: &[SerialJoint]) -> Result<SerialJoint, Seri
         ["max_acceleration_deg_s2", "max_acceleration_mm_s2"],
         [entry.max_acceleration_deg_s2, entry.max_acceleration_mm_s2],
     )?;
+    let jerk = match (entry.max_jerk_deg_s3, entry.max_jerk_mm_s3) {
+        (None, None) => JERK_PER_ACCELERATION * acceleration,
+        given => keys.rate(["max_jerk_deg_s3", "max_jerk_mm_s3"], given.into())?,
+    };
     if entry.sign != 1 && entry.sign != -1 {
         return Err(SerialModelError::Sign {
             joint: entry.axis.clone(),
@@ -422,6 +437,7 @@ fn check(entry: &JointEntry, before: &[SerialJoint]) -> Result<SerialJoint, Seri
         max: kind.inside(max),
         max_speed: kind.inside(speed),
         max_acceleration: kind.inside(acceleration),
+        max_jerk: kind.inside(jerk),
         home: kind.inside(home),
     })
 }

@@ -22,6 +22,7 @@
 //! ```
 
 mod arm;
+mod decomposition;
 mod dls;
 mod error;
 mod file;
@@ -37,6 +38,7 @@ mod values;
 mod velocity;
 
 pub use arm::{JointKind, SerialArm, SerialJoint};
+pub use decomposition::SingularityDecomposition;
 pub use dls::{DlsError, DlsOptions, DlsSolution};
 pub use error::{OutsideRange, SerialError};
 pub use file::SerialModelError;

@@ -92,6 +92,12 @@ struct Arm6 {
     untwist: Matrix3<f64>,
 }
 
+/// Do the last three axes of the six meet in a point?
+pub(crate) fn expect_spherical_wrist(arm: &SerialArm) -> Result<(), WristError> {
+    let _ = Arm6::of(arm)?;
+    Ok(())
+}
+
 /// A posture of the first three joints.
 struct Posture3 {
     q: [f64; 3],

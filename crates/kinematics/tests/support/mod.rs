@@ -14,6 +14,13 @@ pub(crate) fn arm() -> &'static ArmModel {
     ArmModel::builtin("fanuc-m20ia").unwrap()
 }
 
+/// The M-20iA computed with each kind of instructions that this machine has.
+pub(crate) fn builds() -> Vec<ArmModel> {
+    use kinematics::Instructions::{Avx2, Best, Portable};
+    let kinds = [Portable, Avx2, Best].into_iter();
+    kinds.filter_map(|kind| arm().with(kind)).collect()
+}
+
 pub(crate) fn joints(degrees: [f64; 6]) -> PendantJoints {
     PendantJoints::from_degrees(degrees)
 }

@@ -1,34 +1,38 @@
 //! The arm as capsules.
 
-use kinematics::{ArmModel, PendantJoints};
+use kinematics::{ArmModel, Capsule, PendantJoints};
 use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use units::{Millimeters, Radians};
 
 use super::transfer::ArmError;
 
-/// A cylinder with round ends, fixed to a link.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Capsule {
-    /// The frame of the Denavit-Hartenberg table it moves with: 0 is the base, 6 the flange.
-    pub link: usize,
-    /// One end of its axis, in that frame, mm.
-    pub from: [f64; 3],
-    /// The other.
-    pub to: [f64; 3],
-    /// mm.
-    pub radius: f64,
-}
+/// Ends of the axis in the world, and the radius, mm.
+pub(crate) type Placed = (Point3<f64>, Point3<f64>, f64);
+
+/// The link of the flange.
+const FLANGE: usize = 6;
 
 /// The capsules of an arm and its tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArmShape {
     capsules: Vec<Capsule>,
+    /// Pairs of capsules that could touch each other.
+    pairs: Vec<(usize, usize)>,
     /// For each joint, how far the capsules beyond it reach from its axis at most.
     reaches: [f64; 6],
 }
 
-const MAX_CAPSULES: usize = 64;
-const MAX_MM: f64 = 1e5;
+/// The arm keeps this far from itself, mm, or the margin to obstacles if that is less.
+const OWN_MARGIN: f64 = 20.0;
+
+/// Two capsules too near to each other.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Own {
+    /// From 1.
+    pub(crate) capsules: (usize, usize),
+    pub(crate) distance: f64,
+    pub(crate) margin: f64,
+}
 
 impl ArmShape {
     /// Capsules of an arm.
@@ -36,39 +40,32 @@ impl ArmShape {
     /// # Errors
     /// Names the capsule and the number that is wrong.
     pub fn try_new(arm: &ArmModel, capsules: Vec<Capsule>) -> Result<ArmShape, ArmError> {
-        if capsules.is_empty() || capsules.len() > MAX_CAPSULES {
+        if capsules.is_empty() {
             return Err(ArmError::Capsules {
-                count: capsules.len(),
-                most: MAX_CAPSULES,
+                count: 0,
+                most: Capsule::MOST,
             });
         }
-        for (capsule, shape) in (1..).zip(&capsules) {
-            let numbers = [
-                ("from", shape.from),
-                ("to", shape.to),
-                ("radius", [shape.radius; 3]),
-            ];
-            for (item, values) in numbers {
-                let wrong = |value: &f64| {
-                    !value.is_finite()
-                        || value.abs() > MAX_MM
-                        || (item == "radius" && *value <= 0.0)
-                };
-                if let Some(&value) = values.iter().find(|value| wrong(value)) {
-                    return Err(ArmError::Capsule {
-                        capsule,
-                        item,
-                        value,
-                    });
-                }
-            }
-            if shape.link > 6 {
-                let link = shape.link;
-                return Err(ArmError::Link { capsule, link });
-            }
-        }
+        Capsule::check(&capsules, FLANGE)?;
         let reaches = reaches(arm, &capsules);
-        Ok(ArmShape { capsules, reaches })
+        let mut shape = ArmShape {
+            pairs: separate_links(&capsules),
+            capsules,
+            reaches,
+        };
+        // What touches at home was built so.
+        let home = shape.placed(arm, &arm.home());
+        let apart = |pair: &(usize, usize)| gap(&home, *pair).is_some_and(|gap| gap >= OWN_MARGIN);
+        shape.pairs.retain(apart);
+        Ok(shape)
+    }
+
+    /// The capsules of the arm's model file.
+    ///
+    /// # Errors
+    /// The model file has none.
+    pub fn of_model(arm: &ArmModel) -> Result<ArmShape, ArmError> {
+        ArmShape::try_new(arm, arm.capsules().to_vec())
     }
 
     /// The arm as its Denavit-Hartenberg table has it, in capsules of one radius: along each
@@ -119,22 +116,38 @@ impl ArmShape {
     }
 
     /// The axes of the capsules in the world, mm, at these joints.
-    pub(crate) fn placed(
-        &self,
-        arm: &ArmModel,
-        joints: &PendantJoints,
-        placed: &mut Vec<(Point3<f64>, Point3<f64>, f64)>,
-    ) {
-        placed.clear();
+    pub(crate) fn placed(&self, arm: &ArmModel, joints: &PendantJoints) -> Vec<Placed> {
         let frames = frames(arm, joints);
-        placed.extend(self.capsules.iter().filter_map(|capsule| {
+        let placed = |capsule: &Capsule| {
             let frame = frames.get(capsule.link)?;
             Some((
                 frame * Point3::from(capsule.from),
                 frame * Point3::from(capsule.to),
                 capsule.radius,
             ))
-        }));
+        };
+        self.capsules.iter().filter_map(placed).collect()
+    }
+
+    /// How far the arm must keep from itself at the joint sets that are looked at.
+    ///
+    /// Between two of them a capsule moves against another one no farther than [`Self::way`], which
+    /// counts all joints; only those between their links turn the one against the other.
+    pub(crate) fn own_margin(margin: f64) -> f64 {
+        margin.min(OWN_MARGIN)
+    }
+
+    /// The first two capsules that come nearer to each other than the arm's own margin.
+    pub(crate) fn touches_itself(&self, placed: &[Placed], margin: f64) -> Option<Own> {
+        let margin = Self::own_margin(margin);
+        self.pairs.iter().find_map(|&(first, second)| {
+            let distance = gap(placed, (first, second))?;
+            (distance < margin).then_some(Own {
+                capsules: (first + 1, second + 1),
+                distance,
+                margin,
+            })
+        })
     }
 
     /// At most so far does any point of the arm move between two joint sets, mm.
@@ -143,6 +156,57 @@ impl ArmShape {
         let ways = a.iter().zip(&b).zip(&self.reaches);
         ways.map(|((a, b), reach)| (b - a).abs() * reach).sum()
     }
+}
+
+/// Pairs of capsules on links that are not neighbors. A link without capsules, like the middle of a
+/// wrist, has no length: the links on either side of it are neighbors.
+fn separate_links(capsules: &[Capsule]) -> Vec<(usize, usize)> {
+    let mut links: Vec<usize> = capsules.iter().map(|capsule| capsule.link).collect();
+    links.sort_unstable();
+    links.dedup();
+    let place = |link: usize| links.binary_search(&link).unwrap_or_default();
+    let mut pairs = Vec::new();
+    for (first, a) in capsules.iter().enumerate() {
+        for (second, b) in capsules.iter().enumerate().skip(first + 1) {
+            if place(a.link).abs_diff(place(b.link)) > 1 {
+                pairs.push((first, second));
+            }
+        }
+    }
+    pairs
+}
+
+/// Between the surfaces of two capsules, mm; negative if they overlap.
+fn gap(placed: &[Placed], (first, second): (usize, usize)) -> Option<f64> {
+    let (a, b) = (placed.get(first)?, placed.get(second)?);
+    Some(between_segments((&a.0, &a.1), (&b.0, &b.1)) - a.2 - b.2)
+}
+
+/// The distance of two segments: the nearest points of their lines, kept on the segments.
+fn between_segments(
+    (a, b): (&Point3<f64>, &Point3<f64>),
+    (c, d): (&Point3<f64>, &Point3<f64>),
+) -> f64 {
+    let (u, v, w) = (b - a, d - c, a - c);
+    let (uu, uv, vv) = (u.norm_squared(), u.dot(&v), v.norm_squared());
+    let (uw, vw) = (u.dot(&w), v.dot(&w));
+    let share = |part: f64, whole: f64| {
+        if whole > 0.0 {
+            (part / whole).clamp(0.0, 1.0)
+        } else {
+            0.0
+        }
+    };
+    let area = uu * vv - uv * uv;
+    // Parallel: any point of the first will do to begin with.
+    let s = if area > 1e-12 * uu * vv {
+        share(uv * vw - vv * uw, area)
+    } else {
+        0.0
+    };
+    let t = share(uv * s + vw, vv);
+    let s = share(uv * t - uw, uu);
+    (w + u * s - v * t).norm()
 }
 
 /// The frames of the table, the base first.
@@ -179,4 +243,64 @@ fn reaches(arm: &ArmModel, capsules: &[Capsule]) -> [f64; 6] {
         }
     }
     reaches
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distances_of_segments_by_hand() {
+        let p = |x: f64, y: f64, z: f64| Point3::new(x, y, z);
+        let o = p(0.0, 0.0, 0.0);
+        for (one, other, wanted) in [
+            // Crossing lines, 3 apart: the nearest points are the middles.
+            (
+                [p(-1.0, 0.0, 0.0), p(1.0, 0.0, 0.0)],
+                [p(0.0, -1.0, 3.0), p(0.0, 1.0, 3.0)],
+                3.0,
+            ),
+            // Parallel, side by side and shifted: 3, 4, 5.
+            (
+                [o, p(2.0, 0.0, 0.0)],
+                [p(1.0, 2.0, 0.0), p(3.0, 2.0, 0.0)],
+                2.0,
+            ),
+            (
+                [o, p(2.0, 0.0, 0.0)],
+                [p(5.0, 4.0, 0.0), p(9.0, 4.0, 0.0)],
+                5.0,
+            ),
+            // In one line, and end to end.
+            (
+                [o, p(2.0, 0.0, 0.0)],
+                [p(6.0, 0.0, 0.0), p(3.0, 0.0, 0.0)],
+                1.0,
+            ),
+            // The end of one before the middle of the other.
+            (
+                [o, p(0.0, 0.0, 4.0)],
+                [p(1.0, 0.0, 2.0), p(9.0, 3.0, 2.0)],
+                1.0,
+            ),
+            // Points: 2, 3, 6 make 7.
+            ([o, o], [p(2.0, 3.0, 6.0), p(2.0, 3.0, 6.0)], 7.0),
+            ([o, o], [p(-5.0, 2.0, 0.0), p(5.0, 2.0, 0.0)], 2.0),
+            // They cross.
+            (
+                [p(-1.0, -1.0, 0.0), p(1.0, 1.0, 0.0)],
+                [p(-1.0, 1.0, 0.0), p(1.0, -1.0, 0.0)],
+                0.0,
+            ),
+        ] {
+            let [a, b] = &one;
+            let [c, d] = &other;
+            for found in [
+                between_segments((a, b), (c, d)),
+                between_segments((d, c), (a, b)),
+            ] {
+                assert!((found - wanted).abs() < 1e-12, "{one:?} {other:?}: {found}");
+            }
+        }
+    }
 }

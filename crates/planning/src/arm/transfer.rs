@@ -1,6 +1,8 @@
 //! A collision-free way from one joint set to another.
 
-use kinematics::{ArmModel, Axis, JointsError, LimitViolations, PendantJoints};
+use std::fmt;
+
+use kinematics::{ArmModel, Axis, CapsuleError, JointsError, LimitViolations, PendantJoints};
 use rand_distr::{Distribution, Uniform};
 use rand_pcg::Pcg64Mcg;
 use units::Millimeters;
@@ -78,7 +80,8 @@ pub enum ArmError {
         /// Which joints.
         violations: LimitViolations,
     },
-    /// Start or goal in an obstacle, or nearer to it than the margin.
+    /// Start or goal in an obstacle, or nearer to it than the margin, or with two parts of the arm
+    /// touching each other.
     #[error("{end}: {touch}")]
     Touches {
         /// `start` or `goal`.
@@ -94,14 +97,50 @@ pub enum ArmError {
     },
 }
 
-/// A capsule too near to an obstacle.
+impl From<CapsuleError> for ArmError {
+    fn from(error: CapsuleError) -> ArmError {
+        match error {
+            CapsuleError::Number {
+                capsule,
+                item,
+                value,
+            } => ArmError::Capsule {
+                capsule,
+                item,
+                value,
+            },
+            CapsuleError::Link { capsule, link, .. } => ArmError::Link { capsule, link },
+            CapsuleError::Count { count, most } => ArmError::Capsules { count, most },
+        }
+    }
+}
+
+/// What a capsule of the arm is too near to. Both count from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Touched {
+    /// Something around the arm.
+    Obstacle(usize),
+    /// Another capsule of the arm.
+    Capsule(usize),
+}
+
+impl fmt::Display for Touched {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Touched::Obstacle(index) => write!(f, "obstacle {index}"),
+            Touched::Capsule(index) => write!(f, "capsule {index} of the arm itself"),
+        }
+    }
+}
+
+/// A capsule too near to an obstacle, or to another part of the arm.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("capsule {capsule} is {distance:.1} from obstacle {obstacle}; the margin is {margin}")]
+#[error("capsule {capsule} is {distance:.1} from {obstacle}; the margin is {margin}")]
 pub struct Touch {
     /// Which capsule.
     pub capsule: usize,
-    /// Which obstacle.
-    pub obstacle: usize,
+    /// What is in its way.
+    pub obstacle: Touched,
     /// Between the two; not positive if they overlap.
     pub distance: Millimeters,
     /// What is asked for.
@@ -135,8 +174,10 @@ impl ArmPath {
 ///
 /// Everywhere on the way the joints are inside their limits and the capsules touch nothing; at the
 /// joint sets it was looked at they are at least `margin` away. Connections are only looked at when
-/// a shortest path wants them (a lazy roadmap). The arm's capsules are not checked against each
-/// other: the joint limits see to that.
+/// a shortest path wants them (a lazy roadmap).
+///
+/// The arm keeps 20 mm (or `margin`, if that is less) from itself: capsules on neighboring links
+/// are left out of that, and capsules that touch at home.
 ///
 /// # Errors
 /// Start or goal out of limits or too near to an obstacle, a margin out of range, or no way found.
@@ -201,15 +242,23 @@ fn on_the_way(a: &[f64; 6], b: &[f64; 6], share: f64) -> [f64; 6] {
 
 impl JointSpace<'_> {
     fn touch(&self, joints: &PendantJoints) -> Option<Touch> {
-        let mut placed = Vec::new();
-        self.shape.placed(self.arm, joints, &mut placed);
-        (1..).zip(placed).find_map(|(capsule, placed)| {
-            let (obstacle, distance) = self.scene.touched(placed, self.margin)?;
+        let placed = self.shape.placed(self.arm, joints);
+        let of_scene = (1..).zip(&placed).find_map(|(capsule, placed)| {
+            let (obstacle, distance) = self.scene.touched(*placed, self.margin)?;
             Some(Touch {
                 capsule,
-                obstacle,
+                obstacle: Touched::Obstacle(obstacle),
                 distance: Millimeters(distance),
                 margin: Millimeters(self.margin),
+            })
+        });
+        of_scene.or_else(|| {
+            let own = self.shape.touches_itself(&placed, self.margin)?;
+            Some(Touch {
+                capsule: own.capsules.0,
+                obstacle: Touched::Capsule(own.capsules.1),
+                distance: Millimeters(own.distance),
+                margin: Millimeters(own.margin),
             })
         })
     }
@@ -254,9 +303,10 @@ impl Space<6> for JointSpace<'_> {
     fn is_free(&self, a: &[f64; 6], b: &[f64; 6]) -> bool {
         let joints = PendantJoints::from_radians;
         let way = self.shape.way(self.arm, &joints(*a), &joints(*b));
+        let margin = ArmShape::own_margin(self.margin);
         let mut parts = 1_u32;
         // Half a part each side of a joint set that keeps the margin.
-        while way > 2.0 * self.margin * f64::from(parts) && parts < 1 << 20 {
+        while way > 2.0 * margin * f64::from(parts) && parts < 1 << 20 {
             parts *= 2;
             let odd = (1..parts).step_by(2);
             let mut shares = odd.map(|part| f64::from(part) / f64::from(parts));

@@ -4,8 +4,13 @@
 //! parameter runs from 0 to 1 with a jerk-limited profile; where a joint would be too fast, the
 //! whole move is slowed down, and says so.
 
+mod demands;
+mod follower;
 mod path;
 mod tool_move;
+mod wrist;
 
+pub use demands::{Demand, Demands};
+pub use follower::ToolFollower;
 pub use path::{Extent, PathError, ToolPath};
 pub use tool_move::{Sample, ToolError, ToolLimits, ToolMove};

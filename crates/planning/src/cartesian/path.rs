@@ -4,14 +4,22 @@ use std::f64::consts::TAU;
 
 use kinematics::{Pose, PoseError};
 use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
-use units::Millimeters;
+use units::{Millimeters, Radians};
 
 /// Points nearer than this are one point.
 const SAME_MM: f64 = 1e-6;
 /// A rotation smaller than this is none.
 const SAME_RAD: f64 = 1e-9;
-/// A circle through points this close to a line, as a part of their distance, is a line.
-const STRAIGHT: f64 = 1e-6;
+/// Points of a circle nearer than this say nothing about it.
+///
+/// ASSUMPTION: a tenth of a millimeter, what a taught position is worth.
+const SAME_ON_A_CIRCLE_MM: f64 = 0.1;
+/// Three points whose triangle has a smaller sine at the first are on a line.
+///
+/// ASSUMPTION: about a twentieth of a degree.
+const STRAIGHT: f64 = 1e-3;
+/// Rotations this close to half a turn have no shortest way between them: the rounding of a taught position.
+const HALF_TURN_RAD: f64 = 1.75e-4;
 const MAX_POINTS: usize = 1000;
 
 /// Why a path was refused. Points count from 1.
@@ -123,14 +131,14 @@ impl ToolPath {
         extent: Extent,
     ) -> Result<ToolPath, PathError> {
         let (a, b, c) = (point(start), point(via), point(goal));
-        let _ = apart(a, b, 2)?;
-        let _ = apart(b, c, 3)?;
-        let _ = apart(c, a, 3)?;
+        for (one, other, second) in [(a, b, 2), (b, c, 3), (c, a, 3)] {
+            let _ = apart((one, other), second, SAME_ON_A_CIRCLE_MM)?;
+        }
         // The circumcenter of the triangle, with its corners seen from the start.
         let (u, v) = (b - a, c - a);
         let normal = u.cross(&v);
         let beside = normal.norm() / v.norm();
-        if beside < STRAIGHT * u.norm().max(v.norm()) {
+        if beside < STRAIGHT * u.norm() {
             return Err(PathError::Straight {
                 distance: Millimeters(beside),
             });
@@ -181,7 +189,7 @@ impl ToolPath {
         let mut at = vec![0.0];
         let mut length = 0.0;
         for (second, (a, b)) in (2..).zip(points.iter().zip(points.iter().skip(1))) {
-            length += apart(*a, *b, second)?;
+            length += apart((*a, *b), second, SAME_MM)?;
             at.push(length);
         }
         let at: Vec<f64> = at.into_iter().map(|at| at / length).collect();
@@ -218,6 +226,33 @@ impl ToolPath {
         Ok(Pose::try_from_isometry(isometry)?)
     }
 
+    /// How long a line or a circle is; `None` for a spline, whose parameter is not its length.
+    #[must_use]
+    pub fn length(&self) -> Option<Millimeters> {
+        match &self.shape {
+            Shape::Line { way, .. } => Some(Millimeters(way.norm())),
+            Shape::Circle { arm, angle, .. } => Some(Millimeters(arm.norm() * angle)),
+            Shape::Spline(_) => None,
+        }
+    }
+
+    /// Of a circle.
+    #[must_use]
+    pub fn radius(&self) -> Option<Millimeters> {
+        match &self.shape {
+            Shape::Circle { arm, .. } => Some(Millimeters(arm.norm())),
+            Shape::Line { .. } | Shape::Spline(_) => None,
+        }
+    }
+
+    /// By how much the orientation would change on the whole path if it did so as fast as where it is fastest.
+    #[must_use]
+    pub fn turning(&self) -> Radians {
+        let pairs = self.rotations.iter().zip(self.rotations.iter().skip(1));
+        let rates = pairs.map(|((from, a), (to, b))| a.angle_to(b) / (to - from));
+        Radians(rates.fold(0.0, f64::max))
+    }
+
     fn rotation_at(&self, parameter: f64) -> UnitQuaternion<f64> {
         let after = self.rotations.iter().skip(1);
         let mut pairs = self.rotations.iter().zip(after);
@@ -238,9 +273,13 @@ fn point(pose: &Pose) -> Vector3<f64> {
     pose.isometry().translation.vector
 }
 
-fn apart(a: Vector3<f64>, b: Vector3<f64>, second: usize) -> Result<f64, PathError> {
+fn apart(
+    (a, b): (Vector3<f64>, Vector3<f64>),
+    second: usize,
+    least: f64,
+) -> Result<f64, PathError> {
     let distance = (b - a).norm();
-    if distance < SAME_MM {
+    if distance < least {
         let distance = Millimeters(distance);
         return Err(PathError::SamePoint { second, distance });
     }
@@ -256,7 +295,7 @@ fn rotations<'a>(poses: impl IntoIterator<Item = (f64, &'a Pose)>) -> Result<Rot
         .collect();
     let pairs = rotations.iter().zip(rotations.iter().skip(1));
     for (second, ((_, a), (_, b))) in (2..).zip(pairs) {
-        if a.angle_to(b) > std::f64::consts::PI - 1e-6 {
+        if a.angle_to(b) > std::f64::consts::PI - HALF_TURN_RAD {
             return Err(PathError::HalfTurn { second });
         }
     }

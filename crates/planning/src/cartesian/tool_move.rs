@@ -1,11 +1,11 @@
 //! A path of the tool in time, and the joints along it.
 
-use kinematics::{ArmModel, Axis, Frames, IkError, PendantJoints, Seed, Xyzwpr};
+use kinematics::{ArmModel, Axis, Frames, IkError, LimitViolations, PendantJoints, Xyzwpr};
 use units::{Degrees, MmPerSec, MmPerSec2, RadPerSec};
 
+use super::follower::ToolFollower;
 use super::path::{PathError, ToolPath};
-use crate::jerk::{JointMove, MotionLimits, MoveError};
-use crate::state::State;
+use crate::jerk::{MotionLimits, MoveError, Progress, Quantity};
 
 /// What the tool may do at most.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,6 +76,20 @@ pub enum ToolError {
         /// After.
         to: Degrees,
     },
+    /// With the wrist on its own way, no place of the arm keeps the tool on the path.
+    #[error("at {parameter:.4} of the path, no place of the arm keeps the tool on it")]
+    Wrist {
+        /// From 0 to 1.
+        parameter: f64,
+    },
+    /// With the wrist on its own way, a joint leaves its range.
+    #[error("at {parameter:.4} of the path: {violations}")]
+    WristLimits {
+        /// From 0 to 1.
+        parameter: f64,
+        /// Which joints.
+        violations: LimitViolations,
+    },
     /// The arm does not stand where the path begins.
     #[error("{joint} is at {is:.3}, the path begins at {begins:.3}")]
     StartElsewhere {
@@ -117,14 +131,10 @@ pub struct ToolMove {
     limited_by: Option<Axis>,
 }
 
-/// Of one joint from one checked pose to the next.
-const LONGEST_STEP_DEG: f64 = 15.0;
 /// Parts of a path that are checked before any time is planned.
 const CHECKS: u32 = 200;
 const MOST_SAMPLES: u32 = 1_000_000;
 const SLOWEST: f64 = 1000.0;
-/// Joints this close are where they should be.
-const AT_START_DEG: f64 = 0.01;
 
 impl ToolMove {
     /// Moves the tool along `path`, in the user frame of `frames`, beginning at `start`; rest at
@@ -145,14 +155,14 @@ impl ToolMove {
         if !(0.0005..=1.0).contains(&period) {
             return Err(ToolError::Period { value: period });
         }
-        let follower = Follower { arm, frames, path };
+        let follower = ToolFollower::new(arm, frames, path);
         follower.check_start(start)?;
-        let steepest = follower.check_whole(start)?;
+        let steepest = check_whole(&follower, path, start)?;
         let profile = parameter_profile(limits, &steepest)?;
         let (mut slowed, mut limited_by) = (1.0, None);
         // Each round measures the joints at the slower pace; two are the rule.
         for _ in 0..8 {
-            let samples = follower.samples(&profile, slowed, start, period)?;
+            let samples = samples(&follower, &profile, slowed, start, period)?;
             let Some(worst) = worst(arm, &samples, period) else {
                 return Ok(ToolMove {
                     samples,
@@ -203,137 +213,75 @@ impl ToolMove {
     }
 }
 
-struct Follower<'a> {
-    arm: &'a ArmModel,
-    frames: &'a Frames,
-    path: &'a ToolPath,
-}
-
 /// The largest ways for a whole unit of the parameter.
 struct Steepest {
     millimeters: f64,
     radians: f64,
 }
 
-impl Follower<'_> {
-    fn joints_at(&self, parameter: f64, near: &PendantJoints) -> Result<PendantJoints, ToolError> {
-        let X_UT = self.path.pose_at(parameter)?;
-        let X_WF = self.frames.flange_in_world(&X_UT);
-        let solution = self.arm.inverse(&X_WF, Seed::Near(*near));
-        let solution = solution.map_err(|source| ToolError::Unreachable {
+/// Follows the path without time.
+fn check_whole(
+    follower: &ToolFollower<'_>,
+    path: &ToolPath,
+    start: &PendantJoints,
+) -> Result<Steepest, ToolError> {
+    let (mut joints, mut pose) = (*start, path.pose_at(0.0)?);
+    let mut steepest = Steepest {
+        millimeters: 0.0,
+        radians: 0.0,
+    };
+    let checks = f64::from(CHECKS);
+    for step in 1..=CHECKS {
+        let step = f64::from(step);
+        joints = follower.follow((step - 1.0) / checks, &joints, step / checks)?;
+        let next = path.pose_at(step / checks)?;
+        let (distance, angle) = pose.distance_to(&next);
+        steepest.millimeters = steepest.millimeters.max(distance.0 * checks);
+        steepest.radians = steepest.radians.max(angle.0 * checks);
+        pose = next;
+    }
+    Ok(steepest)
+}
+
+fn samples(
+    follower: &ToolFollower<'_>,
+    profile: &Progress,
+    slowed: f64,
+    start: &PendantJoints,
+    period: f64,
+) -> Result<Vec<Sample>, ToolError> {
+    let duration = profile.duration() * slowed;
+    let count = (duration / period).ceil();
+    if count > f64::from(MOST_SAMPLES) {
+        return Err(ToolError::TooLong {
+            samples: count,
+            most: MOST_SAMPLES,
+        });
+    }
+    // The move lasts a whole number of periods.
+    let pace = profile.duration() / (count * period);
+    let mut samples = vec![Sample {
+        time: 0.0,
+        parameter: 0.0,
+        joints: *start,
+    }];
+    let mut joints = *start;
+    let mut before = 0.0;
+    for step in (1..=MOST_SAMPLES).take_while(|step| f64::from(*step) <= count) {
+        let time = f64::from(step) * period;
+        let parameter = profile.at(time * pace).position.clamp(0.0, 1.0);
+        joints = follower.follow(before, &joints, parameter)?;
+        before = parameter;
+        samples.push(Sample {
+            time,
             parameter,
-            pose: Box::new(X_UT.xyzwpr()),
-            source,
-        })?;
-        Ok(solution.joints)
+            joints,
+        });
     }
-
-    fn check_start(&self, start: &PendantJoints) -> Result<(), ToolError> {
-        let begins = self.joints_at(0.0, start)?;
-        let (joint, is, begins) = farthest(start, &begins);
-        if (is.0 - begins.0).abs() > AT_START_DEG {
-            return Err(ToolError::StartElsewhere { joint, is, begins });
-        }
-        Ok(())
-    }
-
-    /// Follows the path without time.
-    fn check_whole(&self, start: &PendantJoints) -> Result<Steepest, ToolError> {
-        let (mut joints, mut pose) = (*start, self.path.pose_at(0.0)?);
-        let mut steepest = Steepest {
-            millimeters: 0.0,
-            radians: 0.0,
-        };
-        for step in 1..=CHECKS {
-            let parameter = f64::from(step) / f64::from(CHECKS);
-            joints = self.step(parameter, 1.0 / f64::from(CHECKS), &joints, 0)?;
-            let next = self.path.pose_at(parameter)?;
-            let (distance, angle) = pose.distance_to(&next);
-            steepest.millimeters = steepest.millimeters.max(distance.0 * f64::from(CHECKS));
-            steepest.radians = steepest.radians.max(angle.0 * f64::from(CHECKS));
-            pose = next;
-        }
-        Ok(steepest)
-    }
-
-    /// The joints at `parameter`, a `step` after `before`; halved while they are far apart.
-    fn step(
-        &self,
-        parameter: f64,
-        step: f64,
-        before: &PendantJoints,
-        halved: u32,
-    ) -> Result<PendantJoints, ToolError> {
-        let joints = self.joints_at(parameter, before)?;
-        let (joint, from, to) = farthest(before, &joints);
-        if (to.0 - from.0).abs() <= LONGEST_STEP_DEG {
-            return Ok(joints);
-        }
-        if halved == 10 {
-            let pose = Box::new(self.path.pose_at(parameter)?.xyzwpr());
-            return Err(ToolError::Jump {
-                parameter,
-                pose,
-                joint,
-                from,
-                to,
-            });
-        }
-        let half = 0.5 * step;
-        let middle = self.step(parameter - half, half, before, halved + 1)?;
-        self.step(parameter, half, &middle, halved + 1)
-    }
-
-    fn samples(
-        &self,
-        profile: &JointMove<1>,
-        slowed: f64,
-        start: &PendantJoints,
-        period: f64,
-    ) -> Result<Vec<Sample>, ToolError> {
-        let duration = profile.duration() * slowed;
-        let count = (duration / period).ceil();
-        if count > f64::from(MOST_SAMPLES) {
-            return Err(ToolError::TooLong {
-                samples: count,
-                most: MOST_SAMPLES,
-            });
-        }
-        // The move lasts a whole number of periods.
-        let pace = profile.duration() / (count * period);
-        let mut samples = vec![Sample {
-            time: 0.0,
-            parameter: 0.0,
-            joints: *start,
-        }];
-        let mut joints = *start;
-        let mut before = 0.0;
-        for step in (1..=MOST_SAMPLES).take_while(|step| f64::from(*step) <= count) {
-            let time = f64::from(step) * period;
-            let [State { position, .. }] = profile.at(time * pace);
-            let parameter = position.clamp(0.0, 1.0);
-            joints = self.step(parameter, parameter - before, &joints, 0)?;
-            before = parameter;
-            samples.push(Sample {
-                time,
-                parameter,
-                joints,
-            });
-        }
-        Ok(samples)
-    }
+    Ok(samples)
 }
 
-fn farthest(a: &PendantJoints, b: &PendantJoints) -> (Axis, Degrees, Degrees) {
-    let far = |axis: &Axis| (a.of(*axis).0 - b.of(*axis).0).abs();
-    let axis = Axis::ALL
-        .into_iter()
-        .max_by(|a, b| far(a).total_cmp(&far(b)))
-        .unwrap_or(Axis::J1);
-    (axis, a.of(axis), b.of(axis))
-}
-
-fn parameter_profile(limits: &ToolLimits, steepest: &Steepest) -> Result<JointMove<1>, ToolError> {
+fn parameter_profile(limits: &ToolLimits, steepest: &Steepest) -> Result<Progress, ToolError> {
     // A tool that only turns has no length; one that only moves does not turn.
     let by_length = limits.speed.0 / steepest.millimeters.max(f64::MIN_POSITIVE);
     let by_angle = limits.turning.0 / steepest.radians.max(f64::MIN_POSITIVE);
@@ -344,8 +292,11 @@ fn parameter_profile(limits: &ToolLimits, steepest: &Steepest) -> Result<JointMo
         acceleration: limits.acceleration.0 * share,
         jerk: limits.jerk * share,
     };
-    let (start, goal) = ([State::at_rest(0.0)], [State::at_rest(1.0)]);
-    JointMove::try_new(&start, &goal, &[limits]).map_err(ToolError::Profile)
+    Progress::try_new(1.0, limits).ok_or(ToolError::Profile(MoveError::Limit {
+        joint: 1,
+        quantity: Quantity::Velocity,
+        value: velocity,
+    }))
 }
 
 struct Worst {

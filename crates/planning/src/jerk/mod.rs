@@ -9,6 +9,9 @@
 //! should: a mean of two profiles within the limits is within the limits, so no second search is
 //! needed.
 //!
+//! [`Progress`] is the same for one number from rest to rest, the progress along a way, with the time of each position
+//! too; [`SpeedChange`] goes from one speed to another.
+//!
 //! ```
 //! use planning::State;
 //! use planning::jerk::{JointMove, MotionLimits};
@@ -25,6 +28,10 @@
 mod axis;
 mod joint_move;
 mod phases;
+mod progress;
 mod side;
+mod speed_change;
 
 pub use joint_move::{JointMove, MotionLimits, MoveError, Quantity};
+pub use progress::Progress;
+pub use speed_change::SpeedChange;

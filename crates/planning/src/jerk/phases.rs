@@ -30,6 +30,20 @@ impl Phases {
         state.after(up_again, jerk)
     }
 
+    /// After how many seconds the position is reached, which is before the cruise or at its start.
+    pub(super) fn time_to(&self, start: State, jerk: f64, position: f64) -> f64 {
+        let (mut state, mut before) = (start, 0.0);
+        for (duration, sign) in self.0.into_iter().zip(SIGNS).take(3) {
+            let next = state.after(duration, sign * jerk);
+            if position <= next.position {
+                return before + state.time_to(position, sign * jerk, duration);
+            }
+            state = next;
+            before += duration;
+        }
+        before
+    }
+
     /// The state `t` seconds after the start.
     pub(super) fn at(&self, start: State, jerk: f64, t: f64) -> State {
         let (mut state, mut left) = (start, t.max(0.0));

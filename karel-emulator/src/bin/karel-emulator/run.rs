@@ -8,7 +8,9 @@ use std::process::ExitCode;
 use anyhow::{Context, anyhow, bail};
 use clap::ValueEnum;
 use karel::{ByteOrder, Program};
-use karel_emulator::config::{ControllerConfig, Exposure, ProgramSource, SecondClient};
+use karel_emulator::config::{
+    ControllerConfig, Exposure, InterpolationPeriod, ProgramSource, SecondClient,
+};
 use karel_emulator::devices;
 use karel_emulator::{
     Clock, ControlAccess, ControllerGeneration, ControllerOption, FaultBody, Fidelity, PeerLabels,
@@ -121,6 +123,10 @@ pub(crate) struct Run {
     /// not translated), or `any`, which accepts both.
     #[arg(long, value_enum, default_value_t = GenerationWord::Any)]
     generation: GenerationWord,
+    /// The period in which the controller interpolates, 1 to 64 ms: a DELAY lasts a whole number of these, and programs
+    /// see where the arm was at the last one.
+    #[arg(long, default_value = "8", value_name = "MS", value_parser = parse_period)]
+    interpolation_ms: InterpolationPeriod,
     /// What to log on standard error, such as `info` or `karel_emulator=debug`.
     ///
     /// [default: info, with --until-idle warn]
@@ -242,6 +248,7 @@ impl Run {
             FidelityWord::Kind => Fidelity::Kind,
         };
         config.generation = self.generation.into();
+        config.interpolation_period = self.interpolation_ms;
         config.seed = self.seed;
         config.presets = self.presets.iter().flat_map(|set| set.0.clone()).collect();
         config.faults.clone_from(&self.faults);
@@ -348,6 +355,11 @@ fn parse_port_map(text: &str) -> Result<(u16, u16), String> {
     }
 }
 
+fn parse_period(text: &str) -> Result<InterpolationPeriod, String> {
+    let period = text.parse().ok().and_then(InterpolationPeriod::from_millis);
+    period.ok_or_else(|| format!("{text:?} is not a whole number of milliseconds, 1 to 64"))
+}
+
 fn parse_host(text: &str) -> Result<(String, IpAddr), String> {
     let (name, address) = text.split_once('=').unwrap_or((text, text));
     let address = address.trim().parse();
@@ -400,6 +412,14 @@ mod tests {
         assert_eq!(parse_port_map("1=2"), Ok((1, 2)));
         for wrong in ["59002", "0=1", "a=1", "1=b", "70000=1", "="] {
             assert!(parse_port_map(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn an_interpolation_period_is_1_to_64_ms() {
+        assert_eq!(parse_period("4").unwrap().millis().to_string(), "4");
+        for wrong in ["0", "65", "-8", "8.5", "ms", ""] {
+            assert!(parse_period(wrong).is_err(), "{wrong}");
         }
     }
 

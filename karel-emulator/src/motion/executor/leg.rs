@@ -95,9 +95,9 @@ impl<T> Leg<T> {
         sum(&before.at(path_time), &self.at(path_time), corner)
     }
 
-    /// For how many seconds it would have to brake at this path time.
-    pub(super) fn braking_time(&self, path_time: f64) -> f64 {
-        self.motion.path.braking_time(path_time - self.begin)
+    /// How long it would take to brake from this path time, as [`Path::braking`].
+    pub(super) fn braking(&self, path_time: f64) -> (f64, f64) {
+        self.motion.path.braking(path_time - self.begin)
     }
 }
 

@@ -5,6 +5,7 @@ use std::time::Duration;
 use kinematics::PendantJoints;
 
 use super::super::path::INTERPOLATION_PERIOD_S;
+use super::super::tempo::Agility;
 use super::{Executor, MotionEnd, Outcome, Stance};
 
 /// How hard the arm brakes, compared with the acceleration of its motion.
@@ -42,19 +43,17 @@ impl<T: Clone> Executor<T> {
             return None;
         }
         self.stance = Stance::Free;
-        let slope = 1.0 / self.braking_time(now);
-        self.tempo.change(now, self.wanted, slope);
+        self.tempo.change(now, self.wanted, self.agility(now, 1.0));
         self.current().map(|motion| &motion.tag)
     }
 
     /// Changes the override to `rate` (0 to 1), in the middle of a motion if there is one.
     ///
-    /// ASSUMPTION: the arm gets faster or slower with the acceleration of its motion.
+    /// ASSUMPTION: the arm gets faster or slower with the acceleration and the jerk of its motion.
     pub fn set_rate(&mut self, now: Duration, rate: f64) {
         self.wanted = rate;
         if self.running.is_some() && self.stance == Stance::Free {
-            let slope = 1.0 / self.braking_time(now);
-            self.tempo.change(now, rate, slope);
+            self.tempo.change(now, rate, self.agility(now, 1.0));
         }
     }
 
@@ -86,16 +85,24 @@ impl<T: Clone> Executor<T> {
     }
 
     fn slow_down(&mut self, now: Duration, brake: Brake) {
-        let slope = brake_factor(brake) / self.braking_time(now);
-        self.tempo.change(now, 0.0, slope);
+        let agility = self.agility(now, brake_factor(brake));
+        self.tempo.change(now, 0.0, agility);
     }
 
-    /// How long the arm brakes from its full speed at this place, s.
-    fn braking_time(&self, now: Duration) -> f64 {
+    /// How long the arm brakes from its full speed at this place, so many times as hard as it accelerates.
+    fn agility(&self, now: Duration, factor: f64) -> Agility {
         let time = self.tempo.time(now);
         let legs = [&self.running, &self.joining];
-        let legs = legs.into_iter().flatten();
-        let seconds: f64 = legs.map(|leg| leg.braking_time(time)).sum();
-        seconds.max(INTERPOLATION_PERIOD_S)
+        let legs = legs.into_iter().flatten().map(|leg| leg.braking(time));
+        let (seconds, bend) = legs.fold((0.0, 0.0), |(a, b), (c, d)| (a + c, b + d));
+        if seconds < INTERPOLATION_PERIOD_S {
+            let seconds = INTERPOLATION_PERIOD_S / factor;
+            let bend = 0.5 * seconds;
+            return Agility { seconds, bend };
+        }
+        Agility {
+            seconds: seconds / factor,
+            bend: bend / factor,
+        }
     }
 }

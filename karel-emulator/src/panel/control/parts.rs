@@ -1,5 +1,7 @@
 //! What the routes share: bodies and queries that are read strictly, and problems.
 
+use std::time::Duration;
+
 use axum::extract::rejection::{JsonRejection, QueryRejection};
 use axum::extract::{FromRequest, FromRequestParts, Json, Query, Request};
 use axum::http::StatusCode;
@@ -13,8 +15,9 @@ use crate::clock::TimeError;
 use crate::controller::{DataError, OperateError, TaskError, TraceError};
 use crate::error::ControllerStopped;
 use crate::faults::FaultError;
-use crate::panel::problem;
+use crate::panel::{Visitors, problem};
 use crate::ports::SetInputError;
+use crate::state::State;
 
 /// What went wrong, as `application/problem+json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -49,6 +52,28 @@ pub(super) enum AnyProblem {
     /// The controller has stopped.
     #[response(status = 503, content_type = "application/problem+json")]
     Stopped(ProblemBody),
+}
+
+/// The longest wait for something new, in seconds.
+const WAIT_S: f64 = 30.0;
+
+impl Visitors {
+    /// Waits until the controller has news, at most `wait_s` seconds. Nothing new in time, or nothing ever any more: what
+    /// is asked afterwards says which.
+    pub(super) async fn wait(
+        &mut self,
+        wait_s: f64,
+        news: impl FnMut(&State) -> bool,
+    ) -> Result<(), Refusal> {
+        if !(0.0..=WAIT_S).contains(&wait_s) {
+            return Err(Refusal::range("wait_s", wait_s, "0 to 30"));
+        }
+        let limit = Duration::from_secs_f64(wait_s);
+        let _waited = tokio::time::timeout(limit, self.states.wait_for(news))
+            .await
+            .map(|news| news.map(drop));
+        Ok(())
+    }
 }
 
 /// A refusal on its way out.

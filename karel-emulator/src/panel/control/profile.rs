@@ -30,15 +30,20 @@ pub struct ProfilePatch {
 pub struct NoteList {
     /// Oldest first; the last 500 are kept.
     pub notes: Vec<Note>,
+    /// The cursor for what comes after these.
+    #[serde(default)]
+    pub next: u64,
 }
 
 /// Which notes.
 #[derive(Clone, Copy, Debug, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 struct NotesQuery {
-    /// Only those with a greater number.
+    /// Only those with a greater number: the cursor.
     #[serde(default)]
     after: u64,
+    /// If there is none, wait for one up to so many seconds, at most 30.
+    wait_s: Option<f64>,
 }
 
 /// Shows which controller this is: its fidelity, its generation, the order of bytes, the options that are missing.
@@ -66,14 +71,19 @@ async fn set_profile(
 }
 
 /// Lists what a kind controller has said about itself: why a client waits, a number is none, a pose is out of reach.
+/// Waits for something new, if asked to.
 #[utoipa::path(get, path = "/api/v1/notes", tag = "state", params(NotesQuery),
     responses((status = 200, description = "The notes.", body = NoteList), AnyProblem))]
 async fn list_notes(
-    Shared(visitors): Shared<Visitors>,
-    Asked(NotesQuery { after }): Asked<NotesQuery>,
+    Shared(mut visitors): Shared<Visitors>,
+    Asked(NotesQuery { after, wait_s }): Asked<NotesQuery>,
 ) -> Result<Json<NoteList>, Refusal> {
-    let notes = visit(&visitors.commands, move |driver| driver.core.notes(after));
-    Ok(Json(NoteList {
-        notes: notes.await?,
-    }))
+    if let Some(wait_s) = wait_s {
+        visitors
+            .wait(wait_s, |state| state.note_seq > after)
+            .await?;
+    }
+    let notes = visit(&visitors.commands, move |driver| driver.core.notes(after)).await?;
+    let next = notes.last().map_or(after, |note| note.seq);
+    Ok(Json(NoteList { notes, next }))
 }

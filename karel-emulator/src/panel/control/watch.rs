@@ -1,7 +1,5 @@
 //! Looking: the state, the ledger, the trace, the USER screen.
 
-use std::time::Duration;
-
 use axum::extract::{Json, State as Shared};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
@@ -14,8 +12,6 @@ use crate::ledger::LedgerEntry;
 use crate::state::State;
 use crate::virtual_controller::visit;
 
-/// The longest wait for a ledger entry.
-const WAIT_S: f64 = 30.0;
 /// Ledger entries in one answer.
 const ENTRIES: usize = 10_000;
 
@@ -119,14 +115,9 @@ async fn get_ledger(
         return Err(Refusal::range("limit", limit, "1 to 10000"));
     }
     if let Some(wait_s) = wait_s {
-        if !(0.0..=WAIT_S).contains(&wait_s) {
-            return Err(Refusal::range("wait_s", wait_s, "0 to 30"));
-        }
-        let news = visitors.states.wait_for(|state| state.ledger_seq > after);
-        // Nothing new in time, or nothing ever any more: the answer says which.
-        let _waited = tokio::time::timeout(Duration::from_secs_f64(wait_s), news)
-            .await
-            .map(|news| news.map(drop));
+        visitors
+            .wait(wait_s, |state| state.ledger_seq > after)
+            .await?;
     }
     let answer = visit(&visitors.commands, move |driver| {
         let mut entries = driver.core.ledger(after);

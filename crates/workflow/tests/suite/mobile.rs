@@ -1,27 +1,12 @@
 //! What mobile robots say and do: lost numbers, loads that are gone, orders that are refused or given up.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::indexing_slicing,
-    clippy::panic,
-    clippy::wildcard_enum_match_arm,
-    clippy::cast_possible_truncation,
-    clippy::struct_excessive_bools,
-    reason = "a test stops where it is wrong"
-)]
-
-mod world;
-
+use super::usual::m1;
+use super::world::{World, delivery, operator, pickup};
 use uuid::Uuid;
 use workflow::{
     Answer, Detail, Fact, Fault, Input, InstantAction, JobState, Location, Message, Refusal, Reply,
     SessionState, Signal, SignalAnswer, SignalKind, SlotLoad,
 };
-use world::{World, delivery, operator, pickup};
-
-fn m1(w: &mut World) -> &mut world::MobileTruth {
-    w.mobiles.get_mut("m1").unwrap()
-}
 
 /// A world whose mobile robots say only what the test says.
 fn quiet() -> World {
@@ -410,7 +395,7 @@ fn a3_an_order_waits_until_the_one_before_is_over() {
 }
 
 fn triggered(change: impl FnOnce(&mut workflow::Trigger)) -> World {
-    let mut setup = world::setup();
+    let mut setup = super::world::setup();
     let mut job = delivery();
     job.mobile_robot = None;
     let mut trigger = workflow::Trigger {
@@ -418,19 +403,19 @@ fn triggered(change: impl FnOnce(&mut workflow::Trigger)) -> World {
         enabled: true,
         signal: SignalKind::MrArrived,
         mobile_robot: None,
-        points: vec![world::POINT.into()],
+        points: vec![super::world::POINT.into()],
         deadline_ms: Some(600_000),
         job,
     };
     change(&mut trigger);
     setup.triggers.push(trigger);
-    World::with(setup, 1, world::Odds::default())
+    World::with(setup, 1, super::world::Odds::default())
 }
 
 /// It comes by itself: the number of the signal, or `None` if it could not be sent.
 fn arrives(w: &mut World) -> Signal {
     let m = m1(w);
-    m.state.at_point = Some(world::POINT.into());
+    m.state.at_point = Some(super::world::POINT.into());
     w.say("m1", SignalKind::MrArrived);
     let m = m1(w);
     m.state.at_point = None;

@@ -1,25 +1,8 @@
 //! Both workflows without a fault.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::indexing_slicing,
-    clippy::wildcard_enum_match_arm,
-    clippy::panic,
-    clippy::cast_possible_truncation,
-    clippy::print_stdout,
-    clippy::too_many_lines,
-    clippy::struct_excessive_bools,
-    clippy::type_complexity,
-    clippy::enum_glob_use,
-    clippy::manual_is_multiple_of,
-    clippy::match_same_arms,
-    reason = "a test stops where it is wrong"
-)]
-
-mod world;
-
+use super::usual::m1;
+use super::world::{World, delivery, item, pickup};
 use workflow::{CompleteOn, JobState, Location};
-use world::{World, delivery, item, pickup};
 
 #[test]
 fn a_delivery_is_placed_and_the_mobile_robot_leaves() {
@@ -171,21 +154,21 @@ fn a_job_that_could_not_start_in_time_is_stopped() {
 
 #[test]
 fn a_signal_at_a_configured_point_starts_a_job() {
-    let mut setup = world::setup();
+    let mut setup = super::world::setup();
     setup.triggers.push(workflow::Trigger {
         id: "unload".into(),
         enabled: true,
         signal: workflow::SignalKind::MrReady,
         mobile_robot: None,
-        points: vec![world::POINT.into()],
+        points: vec![super::world::POINT.into()],
         deadline_ms: Some(600_000),
         job: delivery(),
     });
-    let mut w = World::with(setup, 1, world::Odds::default());
-    let m = w.mobiles.get_mut("m1").unwrap();
-    m.state.at_point = Some(world::POINT.into());
+    let mut w = World::with(setup, 1, super::world::Odds::default());
+    let m = m1(&mut w);
+    m.state.at_point = Some(super::world::POINT.into());
     w.say("m1", workflow::SignalKind::MrReady);
-    w.mobiles.get_mut("m1").unwrap().state.at_point = None;
+    m1(&mut w).state.at_point = None;
     assert!(
         w.run(2_000, |w| !w.cell.jobs(w.now).is_empty()),
         "{:?}",

@@ -1,51 +1,15 @@
 //! C10: a human has the arm between two steps of a job. Nothing goes on by itself, nor along a line from there.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::indexing_slicing,
-    clippy::wildcard_enum_match_arm,
-    clippy::panic,
-    clippy::cast_possible_truncation,
-    clippy::print_stdout,
-    clippy::too_many_lines,
-    clippy::struct_excessive_bools,
-    clippy::type_complexity,
-    clippy::enum_glob_use,
-    clippy::manual_is_multiple_of,
-    clippy::match_same_arms,
-    reason = "a test stops where it is wrong"
-)]
-
-mod world;
-
+use super::usual::{A, B, r1, start, until_at};
+use super::world::World;
 use uuid::Uuid;
-use workflow::{Answer, Command, Detail, Fault, JobState, Phase, Refusal, StepState, Workflow};
-use world::{World, delivery, pickup};
-
-const A: Workflow = Workflow::DeliveryAndPlacement;
-const B: Workflow = Workflow::PickupAndDelivery;
-
-fn start(which: Workflow) -> (World, Uuid) {
-    let mut w = World::new();
-    let job = w.create(if which == A { delivery() } else { pickup() });
-    (w, job)
-}
-
-fn runs(w: &World, job: Uuid, phase: Phase) -> bool {
-    let steps = w.cell.job(w.now, job).unwrap().steps;
-    steps
-        .iter()
-        .any(|s| s.phase == phase && s.state == StepState::Running)
-}
+use workflow::{Answer, Command, Detail, Fault, JobState, Phase, Refusal, Workflow};
 
 /// Holds the job while it is at `phase`, so that the arm stands between two of its motions.
 fn between(which: Workflow, phase: Phase) -> (World, Uuid) {
-    let (mut w, job) = start(which);
-    assert!(
-        w.run(200_000, |w| runs(w, job, phase)),
-        "never at {phase:?}\n{}",
-        w.story()
-    );
+    let mut w = World::new();
+    let job = start(&mut w, which);
+    until_at(&mut w, job, phase);
     let _reply = w.command(job, Command::Hold).unwrap();
     assert!(w.run(60_000, |w| w.state(job) == JobState::Held));
     assert!(w.open_question().is_none(), "{}", w.story());
@@ -55,13 +19,13 @@ fn between(which: Workflow, phase: Phase) -> (World, Uuid) {
 /// The pendant is enabled, the arm is moved, and it is AUTO again.
 fn jog(w: &mut World) {
     pendant(w, true);
-    w.arms.get_mut("r1").unwrap().displaced = true;
+    r1(w).displaced = true;
     let _never = w.run(1_000, |_| false);
     pendant(w, false);
 }
 
 fn pendant(w: &mut World, on: bool) {
-    let arm = w.arms.get_mut("r1").unwrap();
+    let arm = r1(w);
     (arm.manual, arm.ready) = (on, !on);
     let _never = w.run(1_000, |_| false);
 }
@@ -130,8 +94,9 @@ fn c10_a_jogged_arm_begins_its_step_anew_from_the_safe_pose_b() {
 
 fn pendant_only(which: Workflow) {
     for phase in phases(which) {
-        let (mut w, job) = start(which);
-        assert!(w.run(200_000, |w| runs(w, job, phase)), "{}", w.story());
+        let mut w = World::new();
+        let job = start(&mut w, which);
+        until_at(&mut w, job, phase);
         pendant(&mut w, true);
         let _motion_ends = w.run(2_000, |_| false);
         pendant(&mut w, false);
@@ -239,10 +204,11 @@ fn c10_what_a_hand_did_outlives_a_restart() {
 
 #[test]
 fn c10_an_arm_that_was_jogged_before_the_job_moved_it_is_no_question() {
-    let (mut w, job) = start(A);
-    w.arms.get_mut("r1").unwrap().manual = true;
+    let mut w = World::new();
+    let job = start(&mut w, A);
+    r1(&mut w).manual = true;
     let _never = w.run(2_000, |_| false);
     assert!(w.open_question().is_none(), "{}", w.story());
-    w.arms.get_mut("r1").unwrap().manual = false;
+    r1(&mut w).manual = false;
     w.complete(job);
 }

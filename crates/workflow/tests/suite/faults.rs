@@ -1,37 +1,14 @@
 //! F1 to F24 in both workflows, each by its name in the matrix.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::indexing_slicing,
-    clippy::wildcard_enum_match_arm,
-    clippy::panic,
-    clippy::cast_possible_truncation,
-    clippy::print_stdout,
-    clippy::too_many_lines,
-    clippy::struct_excessive_bools,
-    clippy::type_complexity,
-    clippy::enum_glob_use,
-    clippy::manual_is_multiple_of,
-    clippy::match_same_arms,
-    reason = "a test stops where it is wrong"
-)]
-
-mod world;
-
+use super::usual::{A, B, m1, r1, start, until, until_at};
+use super::world::{World, delivery, item, operator, pickup};
 use uuid::Uuid;
 use workflow::{
     Answer, Command, Detail, Fault, Input, JobState, Location, Message, MobileMode, OnCancel,
     Permit, Phase, Refusal, Reply, Role, Safety, SignalAnswer, SignalKind, Workflow,
 };
-use world::{World, delivery, item, operator, pickup};
 
 type Which = Workflow;
-const A: Which = Workflow::DeliveryAndPlacement;
-const B: Which = Workflow::PickupAndDelivery;
-
-fn start(w: &mut World, which: Which) -> Uuid {
-    w.create(if which == A { delivery() } else { pickup() })
-}
 
 fn has(w: &World, job: Uuid, fault: Fault) -> bool {
     w.cell
@@ -42,39 +19,11 @@ fn has(w: &World, job: Uuid, fault: Fault) -> bool {
         .any(|f| f.fault == fault)
 }
 
-fn at(w: &World, job: Uuid, phase: Phase) -> bool {
-    w.cell
-        .job(w.now, job)
-        .unwrap()
-        .steps
-        .iter()
-        .any(|s| s.phase == phase && s.state == workflow::StepState::Running)
-}
-
-fn until(w: &mut World, job: Uuid, state: JobState) {
-    let ok = w.run(400_000, |w| w.state(job) == state);
-    assert!(
-        ok,
-        "{:?} instead of {state:?}; {:?}\n{}",
-        w.state(job),
-        w.open_question(),
-        w.story()
-    );
-}
-
 fn until_asked(w: &mut World, fault: Fault) {
     let ok = w.run(1_500_000, |w| {
         w.open_question().is_some_and(|q| q.question.fault == fault)
     });
     assert!(ok, "no question about {fault:?}\n{}", w.story());
-}
-
-fn until_at(w: &mut World, job: Uuid, phase: Phase) {
-    assert!(
-        w.run(120_000, |w| at(w, job, phase)),
-        "never at {phase:?}\n{}",
-        w.story()
-    );
 }
 
 /// The arm is in the zone, moving to or at the mobile robot.
@@ -88,14 +37,6 @@ fn until_in_zone(w: &mut World) {
 
 fn permit(w: &World) -> Permit {
     w.cell.permits()[0].1
-}
-
-fn m1(w: &mut World) -> &mut world::MobileTruth {
-    w.mobiles.get_mut("m1").unwrap()
-}
-
-fn r1(w: &mut World) -> &mut world::ArmTruth {
-    w.arms.get_mut("r1").unwrap()
 }
 
 macro_rules! both {
@@ -210,7 +151,7 @@ fn f02(which: Which) {
 fn f02_an_arm_left_in_the_zone_is_named_and_driven_out_on_request() {
     let mut w = World::new();
     r1(&mut w).at = Some(workflow::Target::LiftOf {
-        place: world::slot("s1"),
+        place: super::world::slot("s1"),
     });
     let _never = w.run(1_000, |_| false);
     let job = start(&mut w, A);
@@ -921,7 +862,7 @@ fn f19(which: Which) {
     let held: Vec<_> = w.cell.claims();
     assert!(
         held.iter()
-            .any(|c| c.resource == workflow::Resource::Point(world::POINT.into()))
+            .any(|c| c.resource == workflow::Resource::Point(super::world::POINT.into()))
     );
     m1(&mut w).leaves = true;
     let _reply = w.answer(Answer::Retry, Detail::None).unwrap();
@@ -1069,7 +1010,7 @@ fn f23(which: Which) {
     let session = w.cell.sessions(w.now)[0].id;
     let m = m1(&mut w);
     (m.session, m.state.order) = (Some(session), Some(Uuid::nil()));
-    w.odds = world::Odds::default();
+    w.odds = super::world::Odds::default();
     assert!(w.run(5_000, |w| w.mobiles["m1"].sending.is_empty()));
     w.say("m1", SignalKind::MrDocked);
     assert!(w.run(5_000, |w| w.mobiles["m1"].sending.is_empty()));

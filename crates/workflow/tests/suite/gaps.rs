@@ -1,29 +1,12 @@
 //! What is counted, forgotten, taken elsewhere and kept closed: one row of a table each.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::indexing_slicing,
-    clippy::wildcard_enum_match_arm,
-    clippy::panic,
-    clippy::cast_possible_truncation,
-    clippy::print_stdout,
-    clippy::too_many_lines,
-    clippy::struct_excessive_bools,
-    clippy::type_complexity,
-    clippy::enum_glob_use,
-    clippy::manual_is_multiple_of,
-    clippy::match_same_arms,
-    reason = "a test stops where it is wrong"
-)]
-
-mod world;
-
+use super::usual::{m1, r1};
+use super::world::{World, delivery, item, pickup, setup};
 use uuid::Uuid;
 use workflow::{
     Answer, Cell, Command, CountingIds, Definition, Detail, Evidence, Fact, Fault, Input, JobState,
     Location, Message, Permit, SignalKind, Workflow,
 };
-use world::{World, delivery, item, pickup, setup};
 
 fn permit(w: &World) -> Permit {
     let permits = w.cell.permits();
@@ -38,10 +21,10 @@ fn permit(w: &World) -> Permit {
 #[test]
 fn jobs_have_numbers_without_gaps() {
     let mut w = World::new();
-    w.mobiles.get_mut("m1").unwrap().acks = false;
+    m1(&mut w).acks = false;
     let first = w.create(delivery());
     assert!(w.run(400_000, |w| w.open_question().is_some()));
-    w.mobiles.get_mut("m1").unwrap().acks = true;
+    m1(&mut w).acks = true;
     let _reply = w.answer(Answer::Retry, Detail::None).unwrap();
     w.complete(first);
     let mut second = delivery();
@@ -115,25 +98,15 @@ fn delivered_loads_are_forgotten_after_a_while_and_those_of_the_set_up_with_it()
 fn f06_another_slot_is_taken_where_the_first_cannot_be_reached_b() {
     let mut w = World::new();
     // L1 and L2 are in the first two slots: nothing else is free.
-    let _new = w
-        .arms
-        .get_mut("r1")
-        .unwrap()
-        .blocked
-        .insert("s3 at station/1".into());
+    let _new = r1(&mut w).blocked.insert("s3 at station/1".into());
     let job = w.create(pickup());
     assert!(w.run(400_000, |w| w.state(job) == JobState::Stopped));
     assert!(w.mobiles["m1"].got.is_empty(), "nobody was called");
 
     let mut setup = setup();
     setup.loads.retain(|load| load.id != "L2");
-    let mut w = World::with(setup, 1, world::Odds::default());
-    let _new = w
-        .arms
-        .get_mut("r1")
-        .unwrap()
-        .blocked
-        .insert("s3 at station/1".into());
+    let mut w = World::with(setup, 1, super::world::Odds::default());
+    let _new = r1(&mut w).blocked.insert("s3 at station/1".into());
     let job = w.create(pickup());
     assert!(
         w.run(60_000, |w| w.state(job) != JobState::Idle
@@ -146,15 +119,15 @@ fn f06_another_slot_is_taken_where_the_first_cannot_be_reached_b() {
     // Where none can be reached each is tried once, and the job stops.
     let mut w = World::with(
         {
-            let mut setup = world::setup();
+            let mut setup = super::world::setup();
             setup.loads.retain(|load| !load.id.starts_with('L'));
             setup
         },
         1,
-        world::Odds::default(),
+        super::world::Odds::default(),
     );
     for slot in ["s1", "s2", "s3"] {
-        let blocked = &mut w.arms.get_mut("r1").unwrap().blocked;
+        let blocked = &mut r1(&mut w).blocked;
         let _new = blocked.insert(format!("{slot} at station/1"));
     }
     let job = w.create(pickup());
@@ -170,16 +143,16 @@ fn f08_an_order_that_was_dropped_while_the_arm_was_away_is_given_anew() {
     let mut w = World::new();
     let job = w.create(delivery());
     assert!(w.run(60_000, |w| permit(w) == Permit::ArmEntry));
-    w.arms.get_mut("r1").unwrap().link = false;
+    r1(&mut w).link = false;
     assert!(w.run(60_000, |w| matches!(
         w.state(job),
         JobState::Suspending | JobState::Suspended
     )));
-    let m = w.mobiles.get_mut("m1").unwrap();
+    let m = m1(&mut w);
     m.state.order = None;
     m.plan.clear();
     w.say("m1", SignalKind::MrHeartbeat);
-    w.arms.get_mut("r1").unwrap().link = true;
+    r1(&mut w).link = true;
     let orders = |w: &World| {
         let got = w.mobiles["m1"].got.iter();
         got.filter(|m| matches!(m, Message::TransportOrder { .. }))
@@ -203,7 +176,7 @@ fn m6_after_an_abort_the_zone_stays_closed_until_both_are_out() {
     let job = w.create(delivery());
     assert!(w.run(60_000, |w| w.arm_inside(&w.arms["r1"])
         && w.arms["r1"].moving.is_none()));
-    w.mobiles.get_mut("m1").unwrap().leaves = false;
+    m1(&mut w).leaves = false;
     let _reply = w.command(job, Command::Abort).unwrap();
     assert!(w.run(60_000, |w| w.state(job) == JobState::Aborted));
     let mut second = pickup();
@@ -229,7 +202,7 @@ fn m6_after_an_abort_the_zone_stays_closed_until_both_are_out() {
     let entered = w.run(200_000, |w| permit(w) != Permit::None);
     assert!(!entered, "an arm is in the zone\n{}", w.story());
     // And drives it out by hand.
-    w.arms.get_mut("r1").unwrap().at = Some(workflow::Target::Safe);
+    r1(&mut w).at = Some(workflow::Target::Safe);
     assert!(
         w.run(900_000, |w| permit(w) == Permit::MrMove),
         "{}",

@@ -1,27 +1,9 @@
 //! A fault that ends by itself, at any moment of both workflows: the job completes, and every load is where it belongs.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::indexing_slicing,
-    clippy::wildcard_enum_match_arm,
-    clippy::panic,
-    clippy::cast_possible_truncation,
-    clippy::print_stdout,
-    clippy::too_many_lines,
-    clippy::struct_excessive_bools,
-    clippy::type_complexity,
-    clippy::enum_glob_use,
-    clippy::manual_is_multiple_of,
-    clippy::match_same_arms,
-    dead_code,
-    reason = "a test stops where it is wrong; the world serves other tests too"
-)]
-
-mod world;
-
+use super::usual::{m1, r1};
+use super::world::{World, delivery, pickup};
 use uuid::Uuid;
 use workflow::{Answer, Command, Detail, Fault, JobState, MobileMode, NewJob, SignalKind};
-use world::{World, delivery, pickup};
 
 /// Moments are this far apart: the tick of the world. While the mobile robot drives, little happens.
 const APART_MS: u64 = 50;
@@ -60,9 +42,9 @@ fn at_any_moment(name: &str, fault: impl Fn(&mut World, Uuid)) {
 #[test]
 fn f12_a_silence_at_any_moment_needs_nobody() {
     at_any_moment("a silence", |w, _job| {
-        w.mobiles.get_mut("m1").unwrap().beats = false;
+        m1(w).beats = false;
         let _over = w.run(5_000, |_| false);
-        w.mobiles.get_mut("m1").unwrap().beats = true;
+        m1(w).beats = true;
     });
 }
 
@@ -70,10 +52,10 @@ fn f12_a_silence_at_any_moment_needs_nobody() {
 #[test]
 fn f13_manual_mode_at_any_moment_needs_nobody() {
     at_any_moment("manual mode", |w, _job| {
-        w.mobiles.get_mut("m1").unwrap().state.mode = MobileMode::Manual;
+        m1(w).state.mode = MobileMode::Manual;
         w.say("m1", SignalKind::MrMode);
         let _over = w.run(5_000, |_| false);
-        w.mobiles.get_mut("m1").unwrap().state.mode = MobileMode::Automatic;
+        m1(w).state.mode = MobileMode::Automatic;
         w.say("m1", SignalKind::MrMode);
     });
 }
@@ -97,9 +79,9 @@ fn a_hold_at_any_moment_is_undone_by_unhold() {
 #[test]
 fn f8_a_lost_link_at_any_moment_needs_nobody() {
     at_any_moment("a lost link", |w, _job| {
-        w.arms.get_mut("r1").unwrap().link = false;
+        r1(w).link = false;
         let _over = w.run(3_000, |_| false);
-        w.arms.get_mut("r1").unwrap().link = true;
+        r1(w).link = true;
         let _found = w.run(10_000, |_| false);
         let open = w.open_question();
         if open.is_some_and(|q| q.question.fault == Fault::NoAnswer) {

@@ -1,30 +1,12 @@
 //! No sequence of inputs panics, breaks an invariant, or folds differently when it is replayed.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::indexing_slicing,
-    clippy::wildcard_enum_match_arm,
-    clippy::panic,
-    clippy::cast_possible_truncation,
-    clippy::print_stdout,
-    clippy::too_many_lines,
-    clippy::struct_excessive_bools,
-    clippy::type_complexity,
-    clippy::enum_glob_use,
-    clippy::manual_is_multiple_of,
-    clippy::match_same_arms,
-    reason = "a test stops where it is wrong"
-)]
-
-mod world;
-
+use super::world::{POINT, ZONE, delivery, integrator, pickup};
 use proptest::prelude::*;
 use uuid::Uuid;
 use workflow::{
     Answer, ArmSeen, BasePose, Cell, Command, CountingIds, Detail, Fact, Input, JobState, Location,
     MobileMode, MobileState, OpResult, Safety, Signal, SignalKind, SlotLoad,
 };
-use world::{POINT, ZONE, delivery, integrator, pickup};
 
 const KINDS: [SignalKind; 12] = [
     SignalKind::MrAssigned,
@@ -207,7 +189,7 @@ proptest! {
 
     #[test]
     fn any_sequence_of_inputs_is_survived(script in prop::collection::vec((any::<u8>(), 0_u64..3000, 0_u64..4000), 1..150)) {
-        let setup = world::setup();
+        let setup = super::world::setup();
         let mut cell = Cell::new(setup.clone());
         let mut ids = CountingIds::default();
         let (mut now, mut seq) = (0, 0);

@@ -1,26 +1,9 @@
 //! Thousands of seeds of bad luck: late, lost, doubled and swapped signals, failing grips, doubts, crashes, commands of
 //! a human who is not always right. The world's own truth is the judge. `SIM_SEEDS` sets how many.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::indexing_slicing,
-    clippy::wildcard_enum_match_arm,
-    clippy::panic,
-    clippy::cast_possible_truncation,
-    clippy::print_stdout,
-    clippy::too_many_lines,
-    clippy::struct_excessive_bools,
-    clippy::type_complexity,
-    clippy::enum_glob_use,
-    clippy::manual_is_multiple_of,
-    clippy::match_same_arms,
-    reason = "a test stops where it is wrong"
-)]
-
-mod world;
-
+use super::usual::r1;
+use super::world::{Odds, World, delivery, item, pickup};
 use workflow::{Answer, Command, Detail, JobState, Location, OpResult};
-use world::{Odds, World, delivery, item, pickup};
 
 /// A human who looks before answering, and sometimes commands something.
 fn human(w: &mut World) {
@@ -159,7 +142,7 @@ fn human(w: &mut World) {
 }
 
 fn one(seed: u64) -> (u32, Vec<JobState>) {
-    let mut chance = world::Chance(seed);
+    let mut chance = super::world::Chance(seed);
     let mut some = |most: u64| {
         if chance.hits(400) {
             chance.below(most)
@@ -184,7 +167,7 @@ fn one(seed: u64) -> (u32, Vec<JobState>) {
         command: some(6),
         protective_stop: some(4),
     };
-    let mut w = World::with(world::setup(), seed, odds);
+    let mut w = World::with(super::world::setup(), seed, odds);
     w.rogue = true;
     let mut first = delivery();
     first.early_release = seed % 2 == 0;
@@ -228,7 +211,7 @@ fn one(seed: u64) -> (u32, Vec<JobState>) {
     for m in w.mobiles.values_mut() {
         (m.beats, m.state.mode) = (true, workflow::MobileMode::Automatic);
     }
-    w.arms.get_mut("r1").unwrap().safety = workflow::Safety::Normal;
+    r1(&mut w).safety = workflow::Safety::Normal;
     let asked = |w: &World, id| {
         w.cell
             .interventions()

@@ -4,7 +4,7 @@ use serde::Serialize;
 use workflow::{Action, GripAction, Speed, Target};
 
 /// An enum of plain words, as it is written in JSON.
-pub(super) fn word<T: Serialize>(value: &T) -> String {
+pub(crate) fn word(value: &impl Serialize) -> String {
     match serde_json::to_value(value) {
         Ok(serde_json::Value::String(word)) => word,
         Ok(other) => other.to_string(),
@@ -13,7 +13,7 @@ pub(super) fn word<T: Serialize>(value: &T) -> String {
 }
 
 /// What an arm does.
-pub(super) fn action(action: &Action) -> String {
+pub(crate) fn action(action: &Action) -> String {
     match action {
         Action::Move { target, speed, .. } => {
             let how = match speed {
@@ -42,7 +42,7 @@ fn target_text(target: &Target) -> String {
 }
 
 /// A sentence's end: the text behind a colon, where there is one.
-pub(super) fn because(text: &str) -> String {
+pub(crate) fn because(text: &str) -> String {
     if text.is_empty() {
         String::new()
     } else {

@@ -1,0 +1,7 @@
+/PROG  _NOTE
+/ATTR
+OWNER = MNEDITOR;
+/MN
+   1:  PR[10]=LPOS    ;
+/POS
+/END
