@@ -157,6 +157,149 @@ async fn a_server_answers_as_the_program_itself_does() -> Result<()> {
     cell.shutdown().await
 }
 
+/// Questions that make no sense: with what exit code they end, and what is said of them.
+const BAD: &[(&str, i32, &str)] = &[
+    // What the program sees before any calculation.
+    ("arm fk fanuc-m20ia", 2, "required"),
+    ("arm fk fanuc-m20ia 0 0 x", 2, "not a number"),
+    ("arm fk fanuc-m20ia 0 0 nan 0 0 0", 2, "not a finite number"),
+    (
+        "arm fk fanuc-m20ia 0 0 0 0 0 0 --plot a.pdf",
+        2,
+        "must end in `.svg` or `.png`",
+    ),
+    (
+        "arm fk fanuc-m20ia 0 0 0 0 0 0 --tool 1,2,3",
+        2,
+        "3 numbers were given; it must be 6",
+    ),
+    (
+        "arm fk fanuc-m20ia 0 0 0 0 0 0 --file unknown.json",
+        2,
+        "cannot be used with",
+    ),
+    (
+        "arm fk fanuc-m20ia --file none.json",
+        2,
+        "reading none.json: No such file",
+    ),
+    (
+        "arm fk fanuc-m20ia --file unknown.json",
+        2,
+        "unknown.json: speed: unknown field `speed`",
+    ),
+    (
+        "arm fk fanuc-m20ia --file type.toml",
+        2,
+        "type.toml: joints_deg_mm[1]: invalid type",
+    ),
+    (
+        "arm fk fanuc-m20ia --file twice.json",
+        2,
+        "trailing characters",
+    ),
+    ("arm fk fanuc-m20ia --file half.toml", 2, "half.toml: "),
+    (
+        "arm fk fanuc-m20ia --file words.txt",
+        2,
+        "`.json` or a `.toml`",
+    ),
+    ("arm ik fanuc-m20ia 1 2 3", 2, "6 values required"),
+    ("arm ik fanuc-m20ia", 2, "the pose X Y Z W P R is missing"),
+    (
+        "arm move-velocity five-link 0 45 -60 0 30 --along 20",
+        2,
+        "--time is missing",
+    ),
+    ("arm reach fanuc-m20ia --plane XW", 2, "invalid value"),
+    (
+        "plan trajectory fanuc-m20ia --kind quintic --to 1,2,3,4,5,6",
+        2,
+        "--from is missing",
+    ),
+    (
+        "route plan --floor 0,0,9,9 --radius 1 --start 2,2 --goal 7,7 --obstacle 1,2,3",
+        2,
+        "obstacle 1 has 3 numbers",
+    ),
+    (
+        "route plan --floor 0,0,9,9 --radius 1 --start 2,2 --goal 7,7 --view wheels",
+        2,
+        "--plot",
+    ),
+    // What the calculation refuses.
+    ("arm describe robbie", 1, "robbie"),
+    ("arm fk five-link 0 0", 1, "joints_deg_mm: 2 "),
+    ("arm fk fanuc-m20ia 1e9 0 0 0 0 0", 1, "joints_deg_mm[0]"),
+    ("arm ik scara 9000 0 0 180 0 0", 1, "not reached"),
+    (
+        "arm ik fanuc-m20ia 0 0 0 0 0 0 --method five-link",
+        1,
+        "method",
+    ),
+    (
+        "arm ik five-link --e 86,278,-765 --f 120,339,-900",
+        1,
+        "the link EF is 100",
+    ),
+    (
+        "arm move-velocity five-link 0 45 -60 0 30 --along -1 --time 1",
+        1,
+        "along_tool_mm_s",
+    ),
+    (
+        "arm move-velocity five-link 0 45 -60 0 30 --along 20 --time 1e9",
+        1,
+        "3600",
+    ),
+    (
+        "arm reach fanuc-m20ia --plane XY --u 0,1 --v 0,1 --step 0",
+        1,
+        "step_mm",
+    ),
+    (
+        "arm reach fanuc-m20ia --plane XY --u 0,1e6 --v 0,1e6 --step 1",
+        1,
+        "249999",
+    ),
+    ("arm transfer scara --from 0,0,0,0 --to 1,1,1,1", 1, "scara"),
+    (
+        "arm calibrate fanuc-m20ia --tip 0,0,0,0,0,0 --tip 0,0,0,0,0,0",
+        1,
+        "tip",
+    ),
+    (
+        "plan trajectory fanuc-m20ia --kind quintic --from 0,0,0,0,0,0 --to 1,0,0,0,0,0 --duration 0",
+        1,
+        "durations_s",
+    ),
+    (
+        "plan trajectory fanuc-m20ia --kind 4-3-4 --from 0,0,0,0,0,0 --to 1,0,0,0,0,0 --duration 1,1,1",
+        1,
+        "via_deg_mm",
+    ),
+    (
+        "plan tool-path fanuc-m20ia --kind line --pose 985,0,940,180,0,0 --speed 100",
+        1,
+        "poses",
+    ),
+    (
+        "plan tool-path fanuc-m20ia --kind line --pose 985,0,940,180,0,0 --pose 985,0,900,180,0,0 --speed 0",
+        1,
+        "speed_mm_s",
+    ),
+    (
+        "route plan --floor 0,0,9,9 --radius 100 --start 2,2 --goal 7,7",
+        1,
+        "start_mm",
+    ),
+    (
+        "route plan --floor 0,0,900,900 --radius 10 --start 50,50 --goal 800,800 --obstacle 100,100,200,200,200,100,100,200",
+        1,
+        "obstacles[0]",
+    ),
+];
+
 #[test]
 fn bad_questions_name_item_value_and_limit() -> Result<()> {
     let folder = tempfile::tempdir()?;
@@ -172,147 +315,7 @@ fn bad_questions_name_item_value_and_limit() -> Result<()> {
     ] {
         std::fs::write(folder.path().join(name), text)?;
     }
-    for (line, code, complaint) in [
-        // What the program sees before any calculation.
-        ("arm fk fanuc-m20ia", 2, "required"),
-        ("arm fk fanuc-m20ia 0 0 x", 2, "not a number"),
-        ("arm fk fanuc-m20ia 0 0 nan 0 0 0", 2, "not a finite number"),
-        (
-            "arm fk fanuc-m20ia 0 0 0 0 0 0 --plot a.pdf",
-            2,
-            "must end in `.svg` or `.png`",
-        ),
-        (
-            "arm fk fanuc-m20ia 0 0 0 0 0 0 --tool 1,2,3",
-            2,
-            "3 numbers were given; it must be 6",
-        ),
-        (
-            "arm fk fanuc-m20ia 0 0 0 0 0 0 --file unknown.json",
-            2,
-            "cannot be used with",
-        ),
-        (
-            "arm fk fanuc-m20ia --file none.json",
-            2,
-            "reading none.json: No such file",
-        ),
-        (
-            "arm fk fanuc-m20ia --file unknown.json",
-            2,
-            "unknown.json: speed: unknown field `speed`",
-        ),
-        (
-            "arm fk fanuc-m20ia --file type.toml",
-            2,
-            "type.toml: joints_deg_mm[1]: invalid type",
-        ),
-        (
-            "arm fk fanuc-m20ia --file twice.json",
-            2,
-            "trailing characters",
-        ),
-        ("arm fk fanuc-m20ia --file half.toml", 2, "half.toml: "),
-        (
-            "arm fk fanuc-m20ia --file words.txt",
-            2,
-            "`.json` or a `.toml`",
-        ),
-        ("arm ik fanuc-m20ia 1 2 3", 2, "6 values required"),
-        ("arm ik fanuc-m20ia", 2, "the pose X Y Z W P R is missing"),
-        (
-            "arm move-velocity five-link 0 45 -60 0 30 --along 20",
-            2,
-            "--time is missing",
-        ),
-        ("arm reach fanuc-m20ia --plane XW", 2, "invalid value"),
-        (
-            "plan trajectory fanuc-m20ia --kind quintic --to 1,2,3,4,5,6",
-            2,
-            "--from is missing",
-        ),
-        (
-            "route plan --floor 0,0,9,9 --radius 1 --start 2,2 --goal 7,7 --obstacle 1,2,3",
-            2,
-            "obstacle 1 has 3 numbers",
-        ),
-        (
-            "route plan --floor 0,0,9,9 --radius 1 --start 2,2 --goal 7,7 --view wheels",
-            2,
-            "--plot",
-        ),
-        // What the calculation refuses.
-        ("arm describe robbie", 1, "robbie"),
-        ("arm fk five-link 0 0", 1, "joints_deg_mm: 2 "),
-        ("arm fk fanuc-m20ia 1e9 0 0 0 0 0", 1, "joints_deg_mm[0]"),
-        ("arm ik scara 9000 0 0 180 0 0", 1, "not reached"),
-        (
-            "arm ik fanuc-m20ia 0 0 0 0 0 0 --method five-link",
-            1,
-            "method",
-        ),
-        (
-            "arm ik five-link --e 86,278,-765 --f 120,339,-900",
-            1,
-            "the link EF is 100",
-        ),
-        (
-            "arm move-velocity five-link 0 45 -60 0 30 --along -1 --time 1",
-            1,
-            "along_tool_mm_s",
-        ),
-        (
-            "arm move-velocity five-link 0 45 -60 0 30 --along 20 --time 1e9",
-            1,
-            "3600",
-        ),
-        (
-            "arm reach fanuc-m20ia --plane XY --u 0,1 --v 0,1 --step 0",
-            1,
-            "step_mm",
-        ),
-        (
-            "arm reach fanuc-m20ia --plane XY --u 0,1e6 --v 0,1e6 --step 1",
-            1,
-            "249999",
-        ),
-        ("arm transfer scara --from 0,0,0,0 --to 1,1,1,1", 1, "scara"),
-        (
-            "arm calibrate fanuc-m20ia --tip 0,0,0,0,0,0 --tip 0,0,0,0,0,0",
-            1,
-            "tip",
-        ),
-        (
-            "plan trajectory fanuc-m20ia --kind quintic --from 0,0,0,0,0,0 --to 1,0,0,0,0,0 --duration 0",
-            1,
-            "durations_s",
-        ),
-        (
-            "plan trajectory fanuc-m20ia --kind 4-3-4 --from 0,0,0,0,0,0 --to 1,0,0,0,0,0 --duration 1,1,1",
-            1,
-            "via_deg_mm",
-        ),
-        (
-            "plan tool-path fanuc-m20ia --kind line --pose 985,0,940,180,0,0 --speed 100",
-            1,
-            "poses",
-        ),
-        (
-            "plan tool-path fanuc-m20ia --kind line --pose 985,0,940,180,0,0 --pose 985,0,900,180,0,0 --speed 0",
-            1,
-            "speed_mm_s",
-        ),
-        (
-            "route plan --floor 0,0,9,9 --radius 100 --start 2,2 --goal 7,7",
-            1,
-            "start_mm",
-        ),
-        (
-            "route plan --floor 0,0,900,900 --radius 10 --start 50,50 --goal 800,800 --obstacle 100,100,200,200,200,100,100,200",
-            1,
-            "obstacles[0]",
-        ),
-    ] {
+    for &(line, code, complaint) in BAD {
         let words: Vec<&str> = line.split(' ').collect();
         let ran = cellctl(folder.path(), None, &words)?;
         assert_eq!(ran.code, Some(code), "{line}: {ran:?}");
