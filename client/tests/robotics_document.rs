@@ -60,9 +60,8 @@ fn shown() -> Vec<Shown> {
 impl Shown {
     /// The file after `--plot`.
     fn picture(&self) -> Option<&str> {
-        let mut words = self.words.iter();
-        words.by_ref().find(|word| *word == "--plot")?;
-        words.next().map(String::as_str)
+        let option = self.words.iter().position(|word| word == "--plot")?;
+        self.words.get(option + 1).map(String::as_str)
     }
 
     /// Runs it with `folder` as the root of the project.
@@ -171,7 +170,9 @@ fn every_command_of_the_document_does_what_the_document_says() -> Result<()> {
     let mut in_text = BTreeSet::new();
     for part in DOCUMENT.split("](plots/").skip(1) {
         let name = part.split(')').next().unwrap_or_default();
-        let _new = in_text.insert(format!("docs/plots/{name}"));
+        if name.ends_with(".svg") {
+            let _new = in_text.insert(format!("docs/plots/{name}"));
+        }
     }
     let mut in_folder = BTreeSet::new();
     for entry in std::fs::read_dir(&kept)? {

@@ -55,7 +55,7 @@ impl Look {
     fn stroke(self) -> (Color, f64) {
         match self {
             Self::Obstacle => (Color::INK, 1.0),
-            Self::Closed => (Color::LIMIT, 0.8),
+            Self::Closed => (Color::CLOSED, 0.8),
             Self::Cell => (Color::FAINT, 0.7),
             Self::Graph => (Color::FAINT, 0.8),
             Self::Bounds => (Color::INK, 1.6),

@@ -38,6 +38,8 @@ impl Color {
     pub const START_BODY: Self = Self(RGBColor(0xbf, 0xe3, 0xd6));
     /// The light purple of a body at the goal.
     pub const GOAL_BODY: Self = Self(RGBColor(0xe8, 0xcd, 0xdf));
+    /// The light vermilion around what is closed.
+    pub(crate) const CLOSED: Self = Self(RGBColor(0xe3, 0xb0, 0x90));
     /// White: nothing.
     pub(crate) const PAPER: Self = Self(RGBColor(0xff, 0xff, 0xff));
     /// Very light gray: the lines of a grid.

@@ -1,4 +1,4 @@
-//! The arm's shape: capsules along the lengths of its table.
+//! The arm's shape: the capsules of its model file, or capsules along the lengths of its table.
 
 use api::arms::{ArmCapsule, PlacedCapsule};
 use kinematics::Pose;
@@ -13,9 +13,19 @@ const THICKNESS: f64 = 0.0424;
 /// Lengths below this have no capsule.
 const LEAST_MM: f64 = 1.0;
 
-/// Along each offset d, with the link before the joint, and along each length a, with the joint's own. A prismatic
+/// Of the model's file; where it has none, along each offset d, with the link before the joint, and along each length a, with the joint's own. A prismatic
 /// joint's is as long as its stroke, and moves.
 pub(crate) fn capsules(arm: &Arm) -> Vec<ArmCapsule> {
+    let own = arm.serial.capsules();
+    if !own.is_empty() {
+        let bodies = own.iter().map(|capsule| ArmCapsule {
+            link: capsule.link,
+            from_mm: capsule.from,
+            to_mm: capsule.to,
+            radius_mm: capsule.radius,
+        });
+        return bodies.collect();
+    }
     let radius_mm = (arm.serial.span() * THICKNESS).round();
     let mut capsules = Vec::new();
     let mut push = |link: usize, from: Vector3<f64>, to: Vector3<f64>| {

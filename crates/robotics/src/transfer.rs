@@ -20,11 +20,12 @@ const PARTS: u32 = 16;
 /// A way from one joint set to another on which the arm's capsules touch no obstacle: a probabilistic roadmap in joint
 /// space, textbook 2.2.3, distances by `parry3d`.
 ///
-/// The joints move evenly between the points of the answer. The arm's capsules are not checked against each other.
+/// The joints move evenly between the points of the answer. The arm keeps from itself too: 20 mm, or the margin if that
+/// is less, between capsules that are not on neighboring links and do not touch at home.
 ///
 /// # Errors
 /// No such model, or one that the closed form does not cover; joints outside their ranges; a start or goal that
-/// touches an obstacle, with capsule, obstacle and distance; a size that is none; no way after all samples.
+/// touches an obstacle or the arm itself, with capsule, obstacle and distance; a size that is none; no way after all samples.
 pub fn transfer(model: &str, body: &ArmTransferBody) -> Result<ArmTransferResult, Refusal> {
     let arm = Arm::named(model)?;
     let closed = covered(&arm)?;

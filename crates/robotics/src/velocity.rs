@@ -1,12 +1,12 @@
 //! Jacobians, joint rates, and motion by a velocity vector.
 
 use api::arms::{
-    ArmJacobianBody, ArmJacobianResult, ArmMotionEnd, ArmMotionSample, ArmRatesBody,
-    ArmRatesResult, ArmTwist, ArmVelocityMotionBody, ArmVelocityMotionResult,
+    ArmDecomposition, ArmJacobianBody, ArmJacobianResult, ArmMotionEnd, ArmMotionSample,
+    ArmRatesBody, ArmRatesResult, ArmTwist, ArmVelocityMotionBody, ArmVelocityMotionResult,
 };
 use kinematics::serial::{
-    Angles, Jacobian, JointKind, MotionEnd, MotionError, RepresentationSingular, Twist,
-    VelocityCommand, VelocityError,
+    Angles, Jacobian, JointKind, JointValues, MotionEnd, MotionError, RepresentationSingular,
+    Twist, VelocityCommand, VelocityError, WristError,
 };
 use nalgebra::Vector3;
 
@@ -19,7 +19,7 @@ const MOST_STEPS: u32 = 5000;
 
 /// Geometric and analytic Jacobians of the tool, rank, manipulability, and what is lost at a singular posture.
 ///
-/// Textbook (1.78) to (1.80), (1.84) to (1.89) for ZYZ angles, and the same for W, P, R; (1.90) for the rank;
+/// Textbook (1.78) to (1.80), 1.4.5 for `decomposition`, (1.84) to (1.89) for ZYZ angles, and the same for W, P, R; (1.90) for the rank;
 /// Yoshikawa's manipulability. Rows and columns are in millimeters and degrees.
 ///
 /// # Errors
@@ -54,6 +54,7 @@ pub fn jacobian(model: &str, body: &ArmJacobianBody) -> Result<ArmJacobianResult
         rank: dexterity.rank,
         full_rank: size.min(arm.serial.degrees_of_freedom()),
         manipulability: dexterity.manipulability,
+        decomposition: decomposition(&arm, &joints)?,
         condition: Some(dexterity.condition).filter(|condition| condition.is_finite()),
         singular_values: dexterity.singular_values,
         lost: dexterity.lost.iter().map(twist_body).collect(),
@@ -63,6 +64,24 @@ pub fn jacobian(model: &str, body: &ArmJacobianBody) -> Result<ArmJacobianResult
             .map(|motion| own_units(&arm, motion))
             .collect(),
     })
+}
+
+/// Of an arm with a spherical wrist; the frames of the question change nothing about it.
+fn decomposition(arm: &Arm, joints: &JointValues) -> Result<Option<ArmDecomposition>, Refusal> {
+    match arm.serial.singularity_decomposition(joints) {
+        Ok(apart) => Ok(Some(ArmDecomposition {
+            arm_rank: apart.arm_rank,
+            wrist_rank: apart.wrist_rank,
+            arm_determinant_mm3: shown(apart.arm_determinant()),
+            wrist_determinant: shown(apart.wrist_determinant()),
+        })),
+        Err(WristError::Joints(error)) => Err(Refusal::invalid("joints_deg_mm", error)),
+        Err(
+            WristError::NotCovered { .. }
+            | WristError::WristCenterOutOfReach { .. }
+            | WristError::RotationOutOfReach { .. },
+        ) => Ok(None),
+    }
 }
 
 /// In millimeters and degrees, for each degree or millimeter of a joint.

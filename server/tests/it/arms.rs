@@ -13,40 +13,6 @@ fn assert_close(value: &Value, expected: f64) {
     assert!((value - expected).abs() < 1e-6, "{value} is not {expected}");
 }
 
-/// Every example of the document is a question that is answered.
-#[tokio::test]
-async fn the_documented_examples_are_answered() {
-    let robot = FakeRobot::accepting().await;
-    let server = TestServer::start(&robot).await;
-    let document = serde_json::to_value(server::openapi()).unwrap();
-    let mut asked = 0;
-    for (template, item) in document["paths"].as_object().unwrap() {
-        let questions = template.starts_with("/api/v1/arms/") || template == "/api/v1/routes/plan";
-        let Some(operation) = item.get("post").filter(|_| questions) else {
-            continue;
-        };
-        let content = &operation["requestBody"]["content"]["application/json"]["schema"];
-        let schema = content["$ref"].as_str().unwrap().trim_start_matches('#');
-        let Some(example) = document.pointer(schema).unwrap().get("example") else {
-            assert_eq!(template, "/api/v1/arms/{model}/calibrate-tool");
-            continue;
-        };
-        // The paper's arm has the paper's motion.
-        let of_the_paper = template.ends_with("velocity-motion");
-        let model = if of_the_paper {
-            "five-link"
-        } else {
-            "fanuc-m20ia"
-        };
-        let path = template.replace("{model}", model);
-        let reply = server.post(&path, &example.to_string()).await;
-        assert_eq!(reply.status, 200, "{path}: {reply:?}");
-        asked += 1;
-    }
-    assert_eq!(asked, 10);
-    robot.assert_untouched();
-}
-
 #[tokio::test]
 async fn arm_models_are_listed_and_described() {
     let robot = FakeRobot::accepting().await;

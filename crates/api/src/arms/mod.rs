@@ -23,6 +23,6 @@ pub use reach::{ReachBody, ReachGrid, ReachPlane, ReachResult};
 pub use transfer::{ArmObstacle, ArmTransferBody, ArmTransferResult};
 pub use velocity::{
     ArmCalibrationBody, ArmCalibrationMethod, ArmCalibrationPoint, ArmCalibrationResult,
-    ArmJacobianBody, ArmJacobianResult, ArmMotionEnd, ArmMotionSample, ArmRatesBody,
-    ArmRatesResult, ArmTwist, ArmVelocityMotionBody, ArmVelocityMotionResult,
+    ArmDecomposition, ArmJacobianBody, ArmJacobianResult, ArmMotionEnd, ArmMotionSample,
+    ArmRatesBody, ArmRatesResult, ArmTwist, ArmVelocityMotionBody, ArmVelocityMotionResult,
 };

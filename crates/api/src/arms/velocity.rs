@@ -61,10 +61,26 @@ pub struct ArmJacobianResult {
     /// The largest divided by the smallest; absent at a singularity.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub condition: Option<f64>,
+    /// Of an arm with a spherical wrist: whether its first three joints or its wrist is singular.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub decomposition: Option<ArmDecomposition>,
     /// Motions of the tool that are lost here.
     pub lost: Vec<ArmTwist>,
     /// Joint motions that do not move the tool, in the task.
     pub free_deg_mm_s: Vec<Vec<f64>>,
+}
+
+/// The Jacobian of an arm with a spherical wrist, taken apart: `det J = det J11 det J22`, textbook 1.4.5.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
+pub struct ArmDecomposition {
+    /// Of J11, the wrist center's velocity for the first three joints: below 3 the arm is singular (elbow, shoulder).
+    pub arm_rank: usize,
+    /// Of J22, the flange's angular velocity for the last three joints: below 3 the wrist is.
+    pub wrist_rank: usize,
+    /// `det J11`, for each radian of the joints.
+    pub arm_determinant_mm3: f64,
+    /// `det J22`, for each radian of the joints.
+    pub wrist_determinant: f64,
 }
 
 /// A velocity of the tool whose joint rates are asked for.
@@ -103,7 +119,7 @@ pub struct ArmRatesResult {
 /// A motion of the tool with a constant velocity. Exactly one of `velocity_mm_s` and `along_tool_mm_s` is given.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize, ToSchema)]
 #[serde(deny_unknown_fields)]
-#[schema(example = json!({"start_deg_mm": [0, 45, -60, 0, 30], "velocity_mm_s": [-30, 5, -2], "time_s": 2}))]
+#[schema(example = json!({"start_deg_mm": [0, 0, 0, 0, -90, 0], "velocity_mm_s": [0, 50, -20], "time_s": 2, "steps": 20}))]
 pub struct ArmVelocityMotionBody {
     /// The joints at the start, base first.
     pub start_deg_mm: Vec<f64>,
@@ -174,6 +190,11 @@ pub enum ArmMotionEnd {
 /// Taught postures out of which a tool is computed.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize, ToSchema)]
 #[serde(deny_unknown_fields)]
+#[schema(example = json!({"tip": [
+    {"flange": {"x_mm": 490, "y_mm": 0, "z_mm": 200, "w_deg": 0, "p_deg": 0, "r_deg": 0}},
+    {"flange": {"x_mm": 490, "y_mm": 0, "z_mm": 400, "w_deg": 180, "p_deg": 0, "r_deg": 0}},
+    {"flange": {"x_mm": 400, "y_mm": 0, "z_mm": 310, "w_deg": 0, "p_deg": 90, "r_deg": 0}}
+]}))]
 pub struct ArmCalibrationBody {
     /// Three or more, at most 1000, with the tool's tip at one place, the flange turned between them.
     pub tip: Vec<ArmCalibrationPoint>,

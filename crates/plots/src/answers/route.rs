@@ -1,5 +1,7 @@
 //! A disc among polygons.
 
+use std::collections::BTreeMap;
+
 use api::paths::{PlanRouteResult, RouteMethod};
 
 use super::short;
@@ -29,7 +31,7 @@ pub fn route(answer: &PlanRouteResult) -> Result<Drawing, PlotError> {
     };
     for points in outlines(false) {
         items.push(Item::Region {
-            name: "cell that is not free".to_owned(),
+            name: "cell not wholly free".to_owned(),
             points,
             look: Look::Closed,
         });
@@ -109,14 +111,35 @@ fn polygon(corners: &[[f64; 2]]) -> Vec<Point> {
     corners.iter().map(|&[x, y]| (x, y)).collect()
 }
 
-/// Edges that follow each other as one line: a walk of thousands of steps is drawn, and simplified, as one.
+/// The edges as few long lines, each edge once: a walk is one line then, and a roadmap of thousands of edges a small file.
 fn chained(edges: &[[[f64; 2]; 2]]) -> Vec<Vec<Point>> {
-    let mut lines: Vec<Vec<Point>> = Vec::new();
-    for &[[ax, ay], [bx, by]] in edges {
-        match lines.last_mut() {
-            Some(line) if line.last() == Some(&(ax, ay)) => line.push((bx, by)),
-            _ => lines.push(vec![(ax, ay), (bx, by)]),
+    let key = |[x, y]: [f64; 2]| (x.to_bits(), y.to_bits());
+    // Edges by the places they begin or end at, the first last, so that it is taken first.
+    let mut at: BTreeMap<(u64, u64), Vec<usize>> = BTreeMap::new();
+    for (index, edge) in edges.iter().enumerate().rev() {
+        for &end in edge {
+            at.entry(key(end)).or_default().push(index);
         }
+    }
+    let mut open = vec![true; edges.len()];
+    let mut lines: Vec<Vec<Point>> = Vec::new();
+    for (first, &[from, _]) in edges.iter().enumerate() {
+        if open.get(first) != Some(&true) {
+            continue;
+        }
+        let mut here = from;
+        let mut line = vec![(here[0], here[1])];
+        while let Some(index) = at.get_mut(&key(here)).and_then(Vec::pop) {
+            let (Some(is_open), Some(&[a, b])) = (open.get_mut(index), edges.get(index)) else {
+                continue;
+            };
+            if !std::mem::replace(is_open, false) {
+                continue;
+            }
+            here = if key(a) == key(here) { b } else { a };
+            line.push((here[0], here[1]));
+        }
+        lines.push(line);
     }
     lines
 }
@@ -135,5 +158,36 @@ mod tests {
         let lines = chained(&edges);
         assert_eq!(lines.len(), 2);
         assert_eq!(lines[0], [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)]);
+    }
+
+    #[test]
+    fn each_edge_of_a_net_is_drawn_once() {
+        // All edges between seven places on a circle, some of them the other way around.
+        let places: Vec<[f64; 2]> = (0..7)
+            .map(|n| {
+                let (sin, cos) = f64::from(n).sin_cos();
+                [cos, sin]
+            })
+            .collect();
+        let mut edges = Vec::new();
+        for (n, &a) in places.iter().enumerate() {
+            for &b in &places[..n] {
+                edges.push(if edges.len() % 3 == 0 { [b, a] } else { [a, b] });
+            }
+        }
+        let lines = chained(&edges);
+        assert!(lines.len() <= 4, "{}", lines.len());
+        let ordered = |(a, b): (Point, Point)| if a < b { (a, b) } else { (b, a) };
+        let mut drawn: Vec<_> = lines
+            .iter()
+            .flat_map(|line| line.windows(2).map(|pair| ordered((pair[0], pair[1]))))
+            .collect();
+        let mut wanted: Vec<_> = edges
+            .iter()
+            .map(|&[a, b]| ordered(((a[0], a[1]), (b[0], b[1]))))
+            .collect();
+        drawn.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        wanted.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        assert_eq!(drawn, wanted);
     }
 }

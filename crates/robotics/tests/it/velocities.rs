@@ -58,6 +58,24 @@ fn the_jacobian_of_the_scara_is_as_by_hand() {
     );
 }
 
+/// With J5 at 0 the wrist of the M-20iA is singular, and its first three joints are not; the SCARA has no such wrist.
+#[test]
+fn what_is_singular_is_told() {
+    let decomposition = |model: &str, joints: &[f64]| {
+        let answer = robotics::jacobian(model, &jacobian_of(joints)).unwrap();
+        (answer.rank, answer.decomposition)
+    };
+    let (rank, apart) = decomposition("fanuc-m20ia", &[0.0; 6]);
+    let apart = apart.unwrap();
+    assert_eq!((rank, apart.arm_rank, apart.wrist_rank), (5, 3, 2));
+    let (rank, apart) = decomposition("fanuc-m20ia", &[0.0, 0.0, 0.0, 0.0, -90.0, 0.0]);
+    let apart = apart.unwrap();
+    assert_eq!((rank, apart.arm_rank, apart.wrist_rank), (6, 3, 3));
+    // Axes 4, 5 and 6 at right angles.
+    assert_near(&[apart.wrist_determinant.abs()], [1.0], 1e-9);
+    assert!(decomposition("scara", &[0.0; 4]).1.is_none());
+}
+
 /// A tool 100 mm to the side of the quill moves when the last joint turns: by 100 pi/180 = 1.745329 mm a degree.
 #[test]
 fn the_jacobian_is_the_tools() {
