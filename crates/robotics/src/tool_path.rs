@@ -250,6 +250,22 @@ fn failure(error: &ToolError) -> Result<ToolPathFailure, Refusal> {
             ),
             outside: Vec::new(),
         }),
+        // With the wrist on its own way, which no question asks for.
+        ToolError::Wrist { parameter } => Ok(ToolPathFailure {
+            parameter: shown(*parameter),
+            pose: None,
+            reason: error.to_string(),
+            outside: Vec::new(),
+        }),
+        ToolError::WristLimits {
+            parameter,
+            violations,
+        } => Ok(ToolPathFailure {
+            parameter: shown(*parameter),
+            pose: None,
+            reason: error.to_string(),
+            outside: outside(violations),
+        }),
         ToolError::TooSlow {
             joint,
             parameter,
@@ -261,21 +277,6 @@ fn failure(error: &ToolError) -> Result<ToolPathFailure, Refusal> {
                 "{joint} would slow the move {factor:.0} times; 1000 times is the most"
             ),
             outside: Vec::new(),
-        }),
-        ToolError::Wrist { parameter } => Ok(ToolPathFailure {
-            parameter: shown(*parameter),
-            pose: None,
-            reason: "no place of the arm keeps the tool on the path".to_owned(),
-            outside: Vec::new(),
-        }),
-        ToolError::WristLimits {
-            parameter,
-            violations,
-        } => Ok(ToolPathFailure {
-            parameter: shown(*parameter),
-            pose: None,
-            reason: violations.to_string(),
-            outside: outside_of(violations),
         }),
         ToolError::StartElsewhere { joint, is, begins } => {
             let index = Axis::ALL.iter().position(|axis| axis == joint).unwrap_or(0);
@@ -295,7 +296,7 @@ fn failure(error: &ToolError) -> Result<ToolPathFailure, Refusal> {
 
 fn unreachable(parameter: f64, pose: Option<&Pose>, error: &IkError) -> ToolPathFailure {
     let outside = match error {
-        IkError::JointLimit { violations, .. } => outside_of(violations),
+        IkError::JointLimit { violations, .. } => outside(violations),
         IkError::OutOfReach { .. }
         | IkError::NoSolutionInConfiguration { .. }
         | IkError::NotFinite(_) => Vec::new(),
@@ -308,7 +309,7 @@ fn unreachable(parameter: f64, pose: Option<&Pose>, error: &IkError) -> ToolPath
     }
 }
 
-fn outside_of(violations: &LimitViolations) -> Vec<ArmOutside> {
+fn outside(violations: &LimitViolations) -> Vec<ArmOutside> {
     violations
         .iter()
         .map(|violation| ArmOutside {
