@@ -40,6 +40,16 @@ impl Instructions {
     }
 }
 
+/// The instructions for one pose: its registers are four numbers wide in any case, and AVX2 is
+/// faster with them than AVX-512, whose masks take longer.
+pub(crate) fn for_one(level: Level) -> Level {
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    if let Some(avx2) = level.as_avx2() {
+        return Level::Avx2(avx2);
+    }
+    level
+}
+
 /// Four numbers.
 pub(crate) type Lane<S> = fearless_simd::f64x4<S>;
 
