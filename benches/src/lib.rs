@@ -8,3 +8,4 @@ pub mod arms;
 pub mod compare;
 pub mod control;
 pub mod processes;
+pub mod targets;

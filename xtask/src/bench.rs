@@ -12,6 +12,8 @@ pub(crate) enum Which {
     Kinematics,
     /// The same by criterion, with its statistics and plots.
     KinematicsCriterion,
+    /// Trajectories beside rsruckig, and the arm's transfer among obstacles.
+    Planning,
     /// A tier-0 move beside raw TCP and a bare axum route.
     Bridge,
     /// The service goals: latencies with and without an attack, memory, open files, restart.
@@ -39,6 +41,7 @@ pub(crate) fn run(which: Which, args: &[String]) -> Result<()> {
             ],
             args,
         ),
+        Which::Planning => binary("planning_ratio", args),
         Which::Bridge => binary("bridge", args),
         Which::Service => binary("service", args),
         Which::MobileBase => binary("mobile_base", args),

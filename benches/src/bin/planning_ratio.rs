@@ -1,9 +1,8 @@
-//! Prints how our trajectories compare with rsruckig, and what planning among obstacles takes:
-//! `cargo run --release -p benches --bin planning_ratio`.
+//! Prints how our trajectories compare with rsruckig, what planning among obstacles takes, and
+//! whether the targets are met: `cargo xtask bench planning`.
 
-use std::time::Instant;
-
-use benches::compare::compare;
+use benches::compare::{compare, cpu_seconds};
+use benches::targets::Table;
 use kinematics::{ArmModel, PendantJoints, Pose, Xyzwpr};
 use planning::arm::{ArmShape, Obstacle, Scene, transfer};
 use planning::jerk::{JointMove, MotionLimits};
@@ -26,11 +25,8 @@ struct Move {
 
 #[expect(clippy::print_stdout, reason = "the table is what this program is for")]
 fn main() -> anyhow::Result<()> {
-    println!("six joints, {MOVES} random moves, {REPEATS} repeats in turn, median");
-    println!(
-        "{:<28} {:>9} {:>12} {:>7} {:>22}",
-        "", "ours, ns", "rsruckig, ns", "ratio", "worst difference, s"
-    );
+    println!("six joints, {MOVES} random moves, {REPEATS} repeats in turn, median, CPU time");
+    let table = Table::new("beside rsruckig 3.0.1");
     for (name, moving) in [("rest to rest", 0.0), ("any state to any state", 1.0)] {
         let moves = moves(moving)?;
         let mut otg = Ruckig::<6, ThrowErrorHandler>::new(None, 0.01);
@@ -48,15 +44,15 @@ fn main() -> anyhow::Result<()> {
             |case| JointMove::try_new(&case.start, &case.goal, &case.limits),
             |case| otg.calculate(&case.theirs, &mut trajectory).is_ok(),
         );
+        table.ratio(name, found, Some(1.2));
         println!(
-            "{name:<28} {:>9.0} {:>12.0} {:>6.2}x {worst:>22.1e}",
-            found.ours_ns, found.peer_ns, found.ratio
+            "{:<46} {worst:>9.1e}",
+            "  longest difference of a duration, s"
         );
     }
     let (median, worst, solved) = transfers()?;
-    println!(
-        "arm transfer among 10 obstacles, 100 seeds: {solved} solved, median {median:.1} ms, worst {worst:.1} ms"
-    );
+    table.at_most("arm transfer, 10 obstacles, median, ms", median, 50.0);
+    println!("  100 seeds, {solved} solved, the worst in {worst:.1} ms");
     Ok(())
 }
 
@@ -111,7 +107,7 @@ fn moves(moving: f64) -> anyhow::Result<Vec<Move>> {
 /// Milliseconds of the median and of the worst, and how many found a way.
 fn transfers() -> anyhow::Result<(f64, f64, usize)> {
     let arm = ArmModel::builtin("fanuc-m20ia").ok_or_else(|| anyhow::anyhow!("no such arm"))?;
-    let shape = ArmShape::skeleton(arm, Millimeters(90.0))?;
+    let shape = ArmShape::of_model(arm)?;
     let scene = Scene::try_new(&obstacles()?)?;
     let start = PendantJoints::from_degrees([45.0, 20.0, -20.0, 0.0, -70.0, 0.0]);
     let goal = PendantJoints::from_degrees([-45.0, 20.0, -20.0, 0.0, -70.0, 0.0]);
@@ -122,10 +118,10 @@ fn transfers() -> anyhow::Result<(f64, f64, usize)> {
             seed,
             ..Sampling::default()
         };
-        let begun = Instant::now();
+        let begun = cpu_seconds();
         let margin = Millimeters(20.0);
         let found = transfer(arm, &shape, &scene, &start, &goal, margin, &sampling);
-        times.push(begun.elapsed().as_secs_f64() * 1e3);
+        times.push((cpu_seconds() - begun) * 1e3);
         solved += usize::from(found.is_ok());
     }
     times.sort_by(f64::total_cmp);

@@ -10,7 +10,8 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use crate::geometry::Geometry;
 use crate::joints::{ChainJoints, PendantJoints};
 use crate::lanes::{
-    LANES, Lane, Level, Number, Simd, SimdFrom, difference, dispatch, side_by_side, sum, transpose,
+    LANES, Lane, Level, Number, One, Simd, SimdFrom, difference, dispatch, side_by_side, sum,
+    transpose,
 };
 use crate::model::ArmModel;
 use crate::pose::Pose;
@@ -79,13 +80,14 @@ fn flange_with<S: Simd>(simd: S, geometry: &Geometry, joints: &ChainJoints) -> P
     let [ca, cb, cc, cf]: [f64; 4] = cosines.into();
     let [sd, se, ..]: [f64; 4] = more.0.into();
     let [cd, ce, ..]: [f64; 4] = more.1.into();
-    let arm = Arm::compose(geometry, (sa, ca), (sb, cb), (sc, cc));
-    let wrist = Wrist::compose(geometry, (sd, cd), (se, ce), (sf, cf));
+    let turn = |sine, cosine| (One::new(simd, sine), One::new(simd, cosine));
+    let arm = Arm::compose(geometry, turn(sa, ca), turn(sb, cb), turn(sc, cc));
+    let wrist = Wrist::compose(geometry, turn(sd, cd), turn(se, ce), turn(sf, cf));
     let Flange {
         position: [x, y, z],
         rotation: [w, i, j, k],
     } = Flange::of(geometry, &arm, &wrist);
-    pose([x, y, z, w, i, j, k])
+    pose([x, y, z, w, i, j, k].map(|number| number.value))
 }
 
 /// Sine and cosine.

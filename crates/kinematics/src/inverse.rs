@@ -21,7 +21,7 @@ use crate::ik_error::{IkError, ReachBound};
 use crate::joints::{Axis, PendantJoints};
 use crate::lanes::{
     LANES, Lane, Number, Select, Simd, SimdBase, SimdFloat, SimdFrom, SimdMask, difference,
-    dispatch, mask64x4, sum, transpose,
+    dispatch, for_one, mask64x4, sum, transpose,
 };
 use crate::model::ArmModel;
 use crate::pose::Pose;
@@ -40,7 +40,7 @@ pub(crate) fn collect(
     reference: &PendantJoints,
     branches: &mut Branches,
 ) -> Result<(), IkError> {
-    dispatch!(model.level, simd => collect_with(simd, model, X_WF, reference, branches))
+    dispatch!(for_one(model.level), simd => collect_with(simd, model, X_WF, reference, branches))
 }
 
 #[inline(always)]

@@ -40,6 +40,16 @@ impl Instructions {
     }
 }
 
+/// The instructions for one pose: its registers are four numbers wide in any case, and AVX2 is
+/// faster with them than AVX-512, whose masks take longer.
+pub(crate) fn for_one(level: Level) -> Level {
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    if let Some(avx2) = level.as_avx2() {
+        return Level::Avx2(avx2);
+    }
+    level
+}
+
 /// Four numbers.
 pub(crate) type Lane<S> = fearless_simd::f64x4<S>;
 
@@ -82,6 +92,86 @@ impl Number for f64 {
     #[inline(always)]
     fn like(self, value: f64) -> Self {
         value
+    }
+}
+
+/// One number, which is multiplied and added in one rounding where four would be.
+#[derive(Clone, Copy)]
+pub(crate) struct One<S> {
+    pub(crate) value: f64,
+    simd: S,
+}
+
+impl<S: Simd> One<S> {
+    #[inline(always)]
+    pub(crate) fn new(simd: S, value: f64) -> Self {
+        Self { value, simd }
+    }
+
+    /// `mul_add` is a call into the C library where the machine does not have it.
+    #[inline(always)]
+    fn fuses(self) -> bool {
+        match self.simd.level() {
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Level::Sse2(_) | Level::Sse4_2(_) => false,
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Level::Avx2(_) | Level::Avx512(_) => true,
+            #[cfg(target_arch = "aarch64")]
+            Level::Neon(_) => true,
+            _ => false,
+        }
+    }
+}
+
+macro_rules! one {
+    ($($trait:ident $method:ident $operator:tt),*) => {$(
+        impl<S: Simd> $trait for One<S> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self::new(self.simd, self.value $operator other.value)
+            }
+        }
+
+        impl<S: Simd> $trait<f64> for One<S> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: f64) -> Self {
+                Self::new(self.simd, self.value $operator other)
+            }
+        }
+    )*};
+}
+
+one!(Add add +, Sub sub -, Mul mul *);
+
+impl<S: Simd> Neg for One<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self::new(self.simd, -self.value)
+    }
+}
+
+impl<S: Simd> Number for One<S> {
+    #[inline(always)]
+    fn times_plus(self, factor: Self, summand: Self) -> Self {
+        self.scaled_plus(factor.value, summand)
+    }
+
+    #[inline(always)]
+    fn scaled_plus(self, factor: f64, summand: Self) -> Self {
+        let value = if self.fuses() {
+            self.value.mul_add(factor, summand.value)
+        } else {
+            self.value * factor + summand.value
+        };
+        Self::new(self.simd, value)
+    }
+
+    #[inline(always)]
+    fn like(self, value: f64) -> Self {
+        Self::new(self.simd, value)
     }
 }
 

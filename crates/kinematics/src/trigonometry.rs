@@ -69,12 +69,15 @@ const TAN_PI_8: f64 = 0.414_213_562_373_095_03;
 /// Sine and cosine of each lane of each vector.
 #[inline(always)]
 pub(crate) fn sin_cos<S: Simd, const K: usize>(angles: [Lane<S>; K]) -> [Turn<S>; K] {
-    let mut small = true;
+    let Some(first) = angles.first() else {
+        return angles.map(|angle| (angle, angle));
+    };
+    // A NaN is not below the bound either.
+    let mut small = first.abs().simd_lt(MAX_ANGLE);
     for angle in angles {
-        // A NaN is not below the bound either.
-        small &= angle.abs().simd_lt(MAX_ANGLE).all_true();
+        small &= angle.abs().simd_lt(MAX_ANGLE);
     }
-    if small {
+    if small.all_true() {
         sin_cos_of_small(angles)
     } else {
         sin_cos_of_any(angles)
