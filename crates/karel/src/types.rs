@@ -4,7 +4,10 @@
 //! of their parts in order, so that every part can be uninitialized on its own and a reference to
 //! any part is one number.
 
-use std::{fmt, sync::Arc};
+mod display;
+mod standard;
+
+use std::sync::Arc;
 
 /// Longest string of a program.
 pub(crate) const MAX_STRING: usize = 254;
@@ -184,32 +187,6 @@ pub(crate) struct Field {
     pub(crate) offset: u32,
 }
 
-const VECTOR: &str = "VECTOR";
-const QUEUE: &str = "QUEUE_TYPE";
-const STANDARD_NODE: &str = "STD_PTH_NODE";
-
-/// A structure that no program declares.
-pub(crate) fn structure(name: &str, members: &[(&str, Type)]) -> Type {
-    let mut fields = Vec::new();
-    let mut size = 0;
-    let mut depth = 0;
-    for (name, ty) in members {
-        fields.push(Field {
-            name: (*name).to_owned(),
-            ty: ty.clone(),
-            offset: size,
-        });
-        size += ty.size();
-        depth = depth.max(ty.depth());
-    }
-    Type::Structure(Arc::new(StructureType {
-        name: name.to_owned(),
-        fields,
-        size,
-        depth: depth + 1,
-    }))
-}
-
 /// Bits that the length of a string needs beside the length of an array.
 const TEXT_BITS: u32 = 8;
 
@@ -259,53 +236,6 @@ impl PositionKind {
 impl Type {
     pub(crate) const TEXT: Type = Type::Text(TextLength::Any);
 
-    /// `VECTOR`: three REALs by the names of their axes, like a structure that nobody declares.
-    pub(crate) fn vector() -> Type {
-        structure(VECTOR, &["X", "Y", "Z"].map(|axis| (axis, Type::Real)))
-    }
-
-    /// The standard node of a PATH.
-    ///
-    /// ASSUMPTION: the names and types of the fields beside `NODE_POS` are from memory; motion does
-    /// not look at them.
-    pub(crate) fn standard_node() -> Type {
-        let position = Type::Position(PositionKind::Position);
-        structure(
-            STANDARD_NODE,
-            &[
-                ("NODE_POS", position),
-                ("GROUP_DATA", Type::group_assoc()),
-                ("COMMON_DATA", Type::common_assoc()),
-            ],
-        )
-    }
-
-    /// What a node says of a motion group.
-    pub(crate) fn group_assoc() -> Type {
-        structure(
-            "GROUP_ASSOC",
-            &[
-                ("SEGRELSPEED", Type::Integer),
-                ("SEGMOTYPE", Type::Integer),
-                ("SEGORIENTYPE", Type::Integer),
-                ("SEGBREAK", Type::Boolean),
-            ],
-        )
-    }
-
-    /// What a node says of all groups.
-    pub(crate) fn common_assoc() -> Type {
-        structure(
-            "COMMON_ASSOC",
-            &[
-                ("SEGTERMTYPE", Type::Integer),
-                ("SEGDECELTOL", Type::Integer),
-                ("SEGRELACCEL", Type::Integer),
-                ("SEGTIMESHFT", Type::Integer),
-            ],
-        )
-    }
-
     /// The type of the language with this name, in upper case.
     pub(crate) fn named(name: &str) -> Option<Type> {
         if let Some(axes) = name.strip_prefix("JOINTPOS") {
@@ -333,36 +263,6 @@ impl Type {
             "XYZWPREXT" => Type::Position(PositionKind::XyzwprExt),
             _ => return None,
         })
-    }
-
-    /// What the queue built-ins keep beside the data of a queue.
-    ///
-    /// ASSUMPTION: programs do not look at the fields, whose names are ours.
-    pub(crate) fn queue() -> Type {
-        structure(
-            QUEUE,
-            &[
-                ("FIRST", Type::Integer),
-                ("COUNT", Type::Integer),
-                ("SEQUENCE", Type::Integer),
-            ],
-        )
-    }
-
-    pub(crate) fn is_queue(&self) -> bool {
-        matches!(self, Type::Structure(structure) if structure.name == QUEUE)
-            && *self == Type::queue()
-    }
-
-    pub(crate) fn is_standard_node(&self) -> bool {
-        matches!(self, Type::Structure(structure) if structure.name == STANDARD_NODE)
-            && *self == Type::standard_node()
-    }
-
-    pub(crate) fn is_vector(&self) -> bool {
-        // A program may declare a structure of this name with other fields.
-        matches!(self, Type::Structure(structure) if structure.name == VECTOR && structure.size == 3)
-            && *self == Type::vector()
     }
 
     /// Cells of a value; an open array or a string without length counts as one reference.
@@ -537,43 +437,6 @@ impl Type {
             | Type::Joints(_)
             | Type::Small(_)
             | Type::Error => false,
-        }
-    }
-}
-
-impl fmt::Display for Type {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Type::Integer => f.write_str("INTEGER"),
-            Type::Real => f.write_str("REAL"),
-            Type::Boolean => f.write_str("BOOLEAN"),
-            Type::Text(TextLength::AtMost(length)) => write!(f, "STRING[{length}]"),
-            Type::Text(TextLength::Any) => f.write_str("STRING"),
-            Type::File => f.write_str("FILE"),
-            Type::Config => f.write_str("CONFIG"),
-            Type::Position(PositionKind::Position) => f.write_str("POSITION"),
-            Type::Position(PositionKind::Xyzwpr) => f.write_str("XYZWPR"),
-            Type::Position(PositionKind::XyzwprExt) => f.write_str("XYZWPREXT"),
-            Type::Small(Small::Short) => f.write_str("SHORT"),
-            Type::Small(Small::Byte) => f.write_str("BYTE"),
-            Type::Joints(JointKind::OfGroup) => f.write_str("JOINTPOS"),
-            Type::Joints(JointKind::Axes(axes)) => write!(f, "JOINTPOS{axes}"),
-            Type::Array(array) if array.dims.is_empty() => write!(f, "ARRAY OF {}", array.element),
-            Type::Array(array) => {
-                let length = |dim: &u32| match dim {
-                    0 => "*".to_owned(),
-                    dim => dim.to_string(),
-                };
-                let dims: Vec<String> = array.dims.iter().map(length).collect();
-                write!(f, "ARRAY[{}] OF {}", dims.join(","), array.element)
-            }
-            Type::Structure(structure) => f.write_str(&structure.name),
-            Type::Path(path) => match &path.header {
-                None if path.node.is_standard_node() => f.write_str("PATH"),
-                None => write!(f, "PATH NODEDATA = {}", path.node),
-                Some(header) => write!(f, "PATH PATHHEADER = {header}, NODEDATA = {}", path.node),
-            },
-            Type::Error => f.write_str("unknown"),
         }
     }
 }

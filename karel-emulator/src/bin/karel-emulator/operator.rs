@@ -135,6 +135,7 @@ fn in_words(answer: &Value) -> String {
     let facts = answer.as_object().into_iter().flatten();
     let facts = facts.filter(|(_, value)| !value.is_array());
     let facts: Vec<String> = facts
+        .filter(|(_, value)| !value.is_null())
         .map(|(key, value)| format!("{key} {}", word(value)))
         .collect();
     if facts.is_empty() {
