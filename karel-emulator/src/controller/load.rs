@@ -3,7 +3,7 @@
 use karel::{Generation, IncludeFiles, Machine, Program};
 
 use super::programs::{Loaded, ProgramKind};
-use crate::config::{Limits, ProgramSource};
+use crate::config::{ControllerConfig, Limits, ProgramSource};
 use crate::error::StartError;
 
 /// Loads every program; what is loaded in the order given.
@@ -62,4 +62,27 @@ pub(super) fn load(
         tracing::warn!("No loaded program has the routine {routine}; calling it ends the task.");
     }
     Ok(names)
+}
+
+/// The gripper's ports exist and differ.
+pub(super) fn check_gripper(config: &ControllerConfig) -> Result<(), StartError> {
+    let Some(gripper) = config.gripper else {
+        return Ok(());
+    };
+    let last = config.ports.digital;
+    let outputs = [("DOUT", gripper.close_output)];
+    let inputs = [gripper.closed_input, gripper.open_input, gripper.part_input];
+    let inputs = inputs.map(|number| ("DIN", number));
+    for (name, number) in outputs.into_iter().chain(inputs) {
+        if number == 0 || number > last {
+            let what = format!("{name}[{number}], the last is {name}[{last}]");
+            return Err(StartError::Gripper { what });
+        }
+    }
+    let [(_, a), (_, b), (_, c)] = inputs;
+    if a == b || a == c || b == c {
+        let what = "one input for two things".to_owned();
+        return Err(StartError::Gripper { what });
+    }
+    Ok(())
 }
