@@ -59,6 +59,7 @@ fn a_progress_by_hand() {
     let short = Progress::try_new(0.25, ONES).unwrap();
     assert!((short.duration() - 2.0).abs() < 1e-12 && (short.peak() - 0.25).abs() < 1e-12);
     assert!((short.braking(1.0).0 - 1.0).abs() < 1e-12);
+    assert!((short.ramp() - 1.0).abs() < 1e-12, "half of it");
 }
 
 #[test]

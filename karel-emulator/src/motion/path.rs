@@ -275,3 +275,33 @@ fn between(from: &PendantJoints, to: &PendantJoints, share: f64) -> PendantJoint
     }
     PendantJoints::from_degrees(joints)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_move_shorter_than_an_encoder_sees_is_one_to_where_the_arm_stands() {
+        let arm = ArmModel::builtin("fanuc-m20ia").unwrap();
+        let path = |by: f64| {
+            let [from, to] = [0.0, by].map(|j5| [0.0, 0.0, 0.0, 0.0, j5, 0.0]);
+            let [from, to] = [from, to].map(PendantJoints::from_degrees);
+            Path::joint_at(arm, from, to, 1.0, 1.0)
+        };
+        for by in [0.0, 7e-16, -9e-10] {
+            let none = path(by);
+            assert!((none.duration() - INTERPOLATION_PERIOD_S).abs() < 1e-12);
+            assert_eq!(none.at_time(0.004), *none.from());
+            assert_eq!(none.at(1.0), *none.to());
+            assert!(none.ramp() <= 0.0 && none.braking(0.004) <= (0.0, 0.0));
+        }
+        // 32 way / jerk is the cube of the time; it takes one period nevertheless.
+        let short = path(2e-9);
+        let expected = (32.0 * 2e-9 / arm.max_jerk(Axis::J5).0).cbrt();
+        assert!((2.0 * short.ramp() - expected).abs() < 1e-12);
+        assert!((short.duration() - INTERPOLATION_PERIOD_S).abs() < 1e-12);
+        let longer = path(-1e-3);
+        let expected = (32.0 * 1e-3 / arm.max_jerk(Axis::J5).0).cbrt();
+        assert!((longer.duration() - expected).abs() < 1e-9);
+    }
+}

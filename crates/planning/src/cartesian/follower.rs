@@ -3,8 +3,8 @@
 use kinematics::{ArmModel, Axis, Frames, PendantJoints, Seed};
 use units::Degrees;
 
+use super::error::ToolError;
 use super::path::ToolPath;
-use super::tool_move::ToolError;
 use super::wrist::WristWay;
 
 /// Of one joint from one checked pose to the next.

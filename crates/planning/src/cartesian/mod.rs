@@ -5,12 +5,14 @@
 //! whole move is slowed down, and says so.
 
 mod demands;
+mod error;
 mod follower;
 mod path;
 mod tool_move;
 mod wrist;
 
 pub use demands::{Demand, Demands};
+pub use error::ToolError;
 pub use follower::ToolFollower;
 pub use path::{Extent, PathError, ToolPath};
-pub use tool_move::{Sample, ToolError, ToolLimits, ToolMove};
+pub use tool_move::{Sample, ToolLimits, ToolMove};

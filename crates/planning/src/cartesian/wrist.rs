@@ -3,7 +3,7 @@
 use kinematics::{ArmModel, Frames, PendantJoints, Pose};
 use nalgebra::{Matrix3, Vector3};
 
-use super::tool_move::ToolError;
+use super::error::ToolError;
 
 /// Steps of Newton's method; from one sample to the next it needs three.
 const MOST_STEPS: u32 = 20;

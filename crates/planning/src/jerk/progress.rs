@@ -103,7 +103,8 @@ impl Progress {
     #[must_use]
     pub fn ramp(&self) -> f64 {
         let Phases([up, hold, down, ..]) = self.phases;
-        up + hold + down
+        // Without a cruise the third phase goes on into braking.
+        (up + hold + down).min(0.5 * self.duration)
     }
 
     /// The highest velocity.

@@ -201,33 +201,6 @@ fn a_move_to_where_the_arm_stands_takes_one_interpolation_period() {
     assert_eq!(end.outcome, Outcome::Finished);
 }
 
-#[test]
-fn a_move_shorter_than_an_encoder_sees_is_one_to_where_the_arm_stands() {
-    for (by, most) in [(7e-16, 0.008), (9e-10, 0.008), (1e-3, 0.02)] {
-        let mut there = START;
-        there[4] += by;
-        let path = motion(START, there, 1).path;
-        assert!(path.duration() <= most, "{by}: {}", path.duration());
-        assert_eq!(path.ramp() > 0.0, by > 1e-9, "{by} is traveled");
-        let mut executor = executor();
-        let _added = add(&mut executor, Duration::ZERO, motion(START, there, 1));
-        // However it ends, it ends there or on the way.
-        let _dropped = executor.stop(seconds(0.001), Brake::Controlled);
-        let (at, happened) = next(&mut executor);
-        let off = ended(happened).joints.degrees()[4] - START[4];
-        assert!(
-            (0.0..=by + 1e-13).contains(&off) && at < seconds(0.1),
-            "{off}"
-        );
-    }
-    // 32 way / jerk is the cube of the time.
-    let mut there = START;
-    there[4] += 1e-3;
-    let expected = (32.0 * 1e-3 / arm().max_jerk(kinematics::Axis::J5).0).cbrt();
-    let duration = motion(START, there, 1).path.duration();
-    assert!((duration - expected).abs() < 1e-9, "{duration} {expected}");
-}
-
 /// The velocity of J1 at `now`, deg/s.
 fn velocity(executor: &Executor<u32>, now: Duration) -> f64 {
     let later = now + seconds(1e-5);
