@@ -57,6 +57,12 @@ fn shown() -> Vec<Shown> {
     all
 }
 
+fn is_picture(name: &str) -> bool {
+    Path::new(name)
+        .extension()
+        .is_some_and(|extension| extension == "svg")
+}
+
 impl Shown {
     /// The file after `--plot`.
     fn picture(&self) -> Option<&str> {
@@ -170,14 +176,14 @@ fn every_command_of_the_document_does_what_the_document_says() -> Result<()> {
     let mut in_text = BTreeSet::new();
     for part in DOCUMENT.split("](plots/").skip(1) {
         let name = part.split(')').next().unwrap_or_default();
-        if name.ends_with(".svg") {
+        if is_picture(name) {
             let _new = in_text.insert(format!("docs/plots/{name}"));
         }
     }
     let mut in_folder = BTreeSet::new();
     for entry in std::fs::read_dir(&kept)? {
         let name = entry?.file_name().to_string_lossy().into_owned();
-        if name.ends_with(".svg") {
+        if is_picture(&name) {
             let _new = in_folder.insert(format!("docs/plots/{name}"));
         }
     }
