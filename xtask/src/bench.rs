@@ -44,7 +44,7 @@ pub(crate) fn run(which: Which, args: &[String]) -> Result<()> {
         Which::Planning => binary("planning_ratio", args),
         Which::Bridge => binary("bridge", args),
         Which::Service => binary("service", args),
-        Which::MobileBase => binary("mobile_base", args),
+        Which::MobileBase => binary("mobile_base_ratio", args),
         Which::Emulator => cargo(
             &["run", "--release", "--package", "emulator-bench", "--"],
             args,

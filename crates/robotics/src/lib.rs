@@ -5,18 +5,18 @@
 //!
 //! | question | function | source |
 //! |---|---|---|
-//! | which models there are, and what one is | [`models`], [`describe`] | textbook (1.12), thesis table 1, paper figure 1 |
-//! | where the tool is | [`forward`] | textbook (1.22), thesis (12), paper (1), (2) |
-//! | which joints reach a pose | [`inverse`] | thesis (14) to (18), textbook (1.34) to (1.57), paper (3), (4) |
-//! | Jacobians, rank, what is lost | [`jacobian`] | textbook (1.78) to (1.90) |
-//! | joint rates of a velocity | [`rates`] | textbook (1.91) to (1.93) |
-//! | motion by a velocity vector | [`velocity_motion`] | paper, section 6 |
-//! | a tool out of taught points | [`calibrate`] | thesis, R and p after (12) |
-//! | which poses are reached | [`reach`] | as `inverse` |
-//! | joints in time | [`trajectory`] | textbook (2.16) to (2.42) |
-//! | the tool along a path | [`tool_path`] | lectures 5.2 |
-//! | an arm among obstacles | [`transfer`] | textbook 2.2.3 |
-//! | a disc among polygons, or what of a cell is in its way | [`plan_route`], [`route_in_cell`] | textbook 2.2, (2.7) to (2.11) |
+//! | which models there are, and what one is | [`models`](models()), [`describe`](describe()) | textbook (1.12), thesis table 1, paper figure 1 |
+//! | where the tool is | [`forward`](forward()) | textbook (1.22), thesis (12), paper (1), (2) |
+//! | which joints reach a pose | [`inverse`](inverse()) | thesis (14) to (18), textbook (1.34) to (1.57), paper (3), (4) |
+//! | Jacobians, rank, what is lost | [`jacobian`](jacobian()) | textbook (1.78) to (1.90) |
+//! | joint rates of a velocity | [`rates`](rates()) | textbook (1.91) to (1.93) |
+//! | motion by a velocity vector | [`velocity_motion`](velocity_motion()) | paper, section 6 |
+//! | a tool out of taught points | [`calibrate`](calibrate()) | thesis, R and p after (12) |
+//! | which poses are reached | [`reach`](reach()) | as `inverse` |
+//! | joints in time | [`trajectory`](trajectory()) | textbook (2.16) to (2.42) |
+//! | the tool along a path | [`tool_path`](tool_path()) | lectures 5.2 |
+//! | an arm among obstacles | [`transfer`](transfer()) | textbook 2.2.3 |
+//! | a disc among polygons, or what of a cell is in its way | [`plan_route`](plan_route()), [`route_in_cell`](route_in_cell()) | textbook 2.2, (2.7) to (2.11) |
 //!
 //! Lengths are millimeters, angles degrees, the unit is in the key. Poses are `X_UT`, the tool in the user frame;
 //! both frames are the identity where the question does not give them. Every number has a bound; what is wrong comes

@@ -1,5 +1,5 @@
 //! Prints how many control steps of the mobile base a core makes in a second: `cargo run --release -p
-//! benches --bin mobile_base`.
+//! benches --bin mobile_base_ratio`.
 //!
 //! A step is what a controller does and what its base then does: law, wheel limits, inverse
 //! kinematics, limit check, forward kinematics, an exact arc.
