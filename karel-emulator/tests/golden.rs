@@ -226,12 +226,10 @@ impl Case {
                 task.name, task.line
             );
         }
-        let pose = state.pose;
-        let _ = writeln!(
-            self.out,
-            "tool at {:.1} {:.1} {:.1}",
-            pose.x_mm, pose.y_mm, pose.z_mm
-        );
+        // Not -0.0: which side of zero a rounding falls on is the processor's business.
+        let [x, y, z] = [state.pose.x_mm, state.pose.y_mm, state.pose.z_mm]
+            .map(|mm| (mm * 10.0).round() / 10.0 + 0.0);
+        let _ = writeln!(self.out, "tool at {x:.1} {y:.1} {z:.1}");
         self.out
     }
 }
