@@ -50,11 +50,6 @@ pub struct Plant {
 }
 
 impl Prepared {
-    /// Whether there is nothing virtual: all robots are somewhere else.
-    pub(crate) fn is_empty(&self) -> bool {
-        self.controllers.is_empty() && self.mobile_robots.is_empty()
-    }
-
     /// Checks every section.
     ///
     /// # Errors

@@ -41,14 +41,9 @@ pub fn start(cli: &Cli) -> Result<()> {
         .with_writer(std::io::stderr)
         .with_ansi(std::io::stderr().is_terminal())
         .init();
-    let runtime = if cli.parts_at.is_some() || prepared.is_empty() {
-        server::runtime()
-    } else {
-        // The emulators are here as well, and each has enough to do for a thread.
-        tokio::runtime::Builder::new_multi_thread()
-            .enable_all()
-            .build()
-    }?;
+    let runtime = tokio::runtime::Builder::new_multi_thread()
+        .enable_all()
+        .build()?;
     runtime.block_on(async {
         let stop = stop_on_signals()?;
         match &cli.parts_at {

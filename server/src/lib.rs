@@ -69,7 +69,6 @@ mod problem;
 mod request_id;
 mod router;
 mod routes;
-mod runtime;
 mod serve;
 mod setup;
 mod simulation;
@@ -85,7 +84,6 @@ pub use config::{ConfigError, Plan};
 pub use connections::Listener;
 pub use link::{AddressError, Connector, ControllerAddress, TcpConnection, TcpConnector};
 pub use openapi::{OpenApiError, openapi, openapi_yaml};
-pub use runtime::runtime;
 pub use serve::{ServeError, run, start};
 pub use setup::{SetupErrors, StoreError};
 pub use simulation::{

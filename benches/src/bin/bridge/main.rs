@@ -60,12 +60,9 @@ enum Role {
 
 fn main() -> Result<()> {
     let cli = Cli::parse();
-    let runtime = match cli.role {
-        Some(Role::Served { .. }) => server::runtime()?,
-        Some(_) | None => tokio::runtime::Builder::new_multi_thread()
-            .enable_all()
-            .build()?,
-    };
+    let runtime = tokio::runtime::Builder::new_multi_thread()
+        .enable_all()
+        .build()?;
     runtime.block_on(async {
         match cli.role {
             Some(Role::Robot { ports }) => robot::run(ports).await,
