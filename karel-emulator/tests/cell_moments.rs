@@ -81,6 +81,37 @@ fn a_stop_at_any_moment_ends_the_command_or_lets_it_never_begin() {
     assert_eq!(seen, all);
 }
 
+/// The time at which the arm came to the target, in s.
+fn arrival_s(world: &World) -> Option<f64> {
+    let ledger = world.core.ledger(0);
+    let end = ledger
+        .iter()
+        .find(|entry| entry.event == LedgerEvent::Finished);
+    end.map(|entry| entry.time_s)
+}
+
+#[test]
+fn a_stop_around_the_arrival_is_reported_as_a_stop_unless_the_arm_has_arrived() {
+    let mut undisturbed = at_moment(0);
+    undisturbed.pass(ms(4_000));
+    let begun = at_moment(0).core.now();
+    let arrival = Duration::from_secs_f64(arrival_s(&undisturbed).unwrap());
+    let arrival = arrival.checked_sub(begun).unwrap().as_millis();
+    let arrival = u64::try_from(arrival).unwrap();
+    let mut seen = Vec::new();
+    for moment in arrival - 100..arrival + 100 {
+        let mut world = at_moment(moment);
+        world.status("X");
+        world.pass(ms(4_000));
+        let done = world.done[&(1, 1)];
+        seen.push((done, arrival_s(&world).is_some()));
+    }
+    // On its way; in its last moments, when braking ends at the target, or before the program has noted the arrival;
+    // too late.
+    seen.dedup();
+    assert_eq!(seen, [(2, false), (2, true), (0, true)]);
+}
+
 #[test]
 fn a_fence_at_any_moment_lets_it_never_begin_or_run_to_its_end() {
     let seen = outcomes("F 2");

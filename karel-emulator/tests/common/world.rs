@@ -7,7 +7,7 @@ use std::time::Duration;
 use super::arm;
 use super::wire::{Tokens, opened, sealed};
 use karel_emulator::effects::{ConnectionId, Effect, Event, Tag};
-use karel_emulator::{CmosMemory, Controller, ControllerConfig, LedgerEvent};
+use karel_emulator::{CmosMemory, Controller, ControllerConfig, LedgerEvent, Operation};
 
 /// Number of a command: epoch and sequence number.
 pub(crate) type Id = (u32, u32);
@@ -32,6 +32,8 @@ pub(crate) struct World {
     pub(crate) acknowledged: Vec<Id>,
     pub(crate) done: BTreeMap<Id, i32>,
     pub(crate) fence: u32,
+    /// When something that ends or holds a motion was asked for, and when it was certainly done, in s.
+    interruptions: Vec<(f64, f64)>,
     ledger_seen: u64,
     started: BTreeSet<Id>,
     last_started: Id,
@@ -56,6 +58,7 @@ impl World {
             acknowledged: Vec::new(),
             done: BTreeMap::new(),
             fence: 0,
+            interruptions: Vec::new(),
             ledger_seen: 0,
             started: BTreeSet::new(),
             last_started: (0, 0),
@@ -182,12 +185,16 @@ impl World {
             return;
         };
         let before = self.answers.get(&connection).copied();
+        let asked = self.now_s();
         self.send(STATUS, &sealed(verb));
         for _ in 0..500 {
             self.pass(Duration::from_millis(4));
             if self.answers.get(&connection).copied() != before {
                 break;
             }
+        }
+        if verb == "X" || verb == "P" {
+            self.interruptions.push((asked, self.now_s()));
         }
         if self.answers.get(&connection).copied() == before {
             // The client was disconnected meanwhile, so it knows nothing.
@@ -263,7 +270,27 @@ impl World {
         self.send(COMMANDS, &sealed(text));
     }
 
+    /// Somebody at the controller does this. A CYCLE START may be refused; that is as good.
+    pub(crate) fn operate(&mut self, operation: Operation) {
+        let _done = self.core.operate(operation);
+        self.interruptions.push((self.now_s(), self.now_s()));
+    }
+
+    /// Whether something may have ended or held a motion that came to its target at this time: a program that is
+    /// aborted in the last moments of its motion finds the arm at the target and yet no line that says so.
+    pub(crate) fn was_interrupted_near(&self, end_s: f64) -> bool {
+        // The arm brakes for less than this, and no longer takes the program to note its arrival.
+        const NEAR_S: f64 = 0.2;
+        let mut interruptions = self.interruptions.iter();
+        interruptions.any(|(asked, done)| asked - NEAR_S < end_s && end_s < done + NEAR_S)
+    }
+
+    fn now_s(&self) -> f64 {
+        self.core.now().as_secs_f64()
+    }
+
     pub(crate) fn power_cycle(&mut self) {
+        self.interruptions.push((self.now_s(), self.now_s()));
         self.core.power_cycle(CmosMemory::Kept);
         self.clients = [None; 2];
         self.accepting = [false; 2];
