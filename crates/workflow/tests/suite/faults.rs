@@ -1,7 +1,7 @@
 //! F1 to F24 in both workflows, each by its name in the matrix.
 
-use super::usual::{A, B, m1, r1, start, until, until_at};
-use super::world::{World, delivery, item, operator, pickup};
+use super::usual::{A, B, assert_question_stands, m1, r1, start, until, until_at};
+use super::world::{World, delivery, fixed, item, operator, pickup};
 use uuid::Uuid;
 use workflow::{
     Answer, Command, Detail, Fault, Input, JobState, Location, Message, MobileMode, OnCancel,
@@ -172,9 +172,7 @@ fn f02_a_prefetched_load_is_put_back_and_picked_again() {
     spec.prefetch = true;
     let job = w.create(spec);
     assert!(w.run(30_000, |w| w.arms["r1"].holds.is_some()));
-    let back = Location::Fixed {
-        place: "rack/c".into(),
-    };
+    let back = fixed("rack/c");
     assert!(w.run(200_000, |w| w.loads["P1"] == back), "{}", w.story());
     m1(&mut w).arrives = true;
     assert!(
@@ -277,12 +275,7 @@ fn f04_a_placed_load_can_be_picked_up_again_b() {
     until(&mut w, job, JobState::Held);
     let _reply = w.answer(Answer::Repick, Detail::None).unwrap();
     until(&mut w, job, JobState::Stopped);
-    assert_eq!(
-        w.loads["P1"],
-        Location::Fixed {
-            place: "rack/c".into()
-        }
-    );
+    assert_eq!(w.loads["P1"], fixed("rack/c"));
     w.judge_custody();
 }
 
@@ -295,18 +288,11 @@ fn f05_an_occupied_slot_is_replaced_by_a_free_one_b() {
         slot: "s2".into(),
     };
     // L2 is gone, so that s2 is free.
-    let _old = w.loads.insert(
-        "L2".into(),
-        Location::Fixed {
-            place: "bin".into(),
-        },
-    );
+    let _old = w.loads.insert("L2".into(), fixed("bin"));
     let _reply = w
         .input(Input::SetCustody {
             load: "L2".into(),
-            location: Location::Fixed {
-                place: "bin".into(),
-            },
+            location: fixed("bin"),
             confirm: "L2".into(),
             principal: operator(),
             reason: "taken off".into(),
@@ -358,12 +344,7 @@ fn f06_an_alternate_place_is_taken_instead_a() {
     spec.items[0].alternates = vec!["rack/b".into()];
     let job = w.create(spec);
     w.complete(job);
-    assert_eq!(
-        w.loads["L1"],
-        Location::Fixed {
-            place: "rack/b".into()
-        }
-    );
+    assert_eq!(w.loads["L1"], fixed("rack/b"));
 }
 
 fn f07(which: Which) {
@@ -374,13 +355,7 @@ fn f07(which: Which) {
     until_asked(&mut w, Fault::ControllerAlarm);
     until(&mut w, job, JobState::Held);
     assert_ne!(permit(&w), Permit::MrMove);
-    assert!(
-        matches!(
-            w.command(job, Command::Unhold),
-            Err(Refusal::Conflict { .. })
-        ),
-        "no way around the question"
-    );
+    assert_question_stands(&mut w, job);
     let _reply = w.answer(Answer::Replan, Detail::None).unwrap();
     w.complete(job);
 }
@@ -461,9 +436,7 @@ fn f10(which: Which) {
         .location;
     assert!(matches!(booked, Location::Unknown { .. }), "{booked}");
     assert!(w.command(job, Command::Clear).is_err(), "first the load");
-    let bin = Location::Fixed {
-        place: "bin".into(),
-    };
+    let bin = fixed("bin");
     let _old = w.loads.insert(load.clone(), bin.clone());
     let wrong = Detail::Custody {
         load: load.clone(),
@@ -711,15 +684,9 @@ fn f17(which: Which) {
         let _reply = w.command(job, Command::Stop).unwrap();
         until(&mut w, job, JobState::Stopped);
         let expected = match (which, policy) {
-            (_, OnCancel::RejectBin) => Location::Fixed {
-                place: "bin".into(),
-            },
-            (Workflow::DeliveryAndPlacement, OnCancel::Complete) => Location::Fixed {
-                place: "rack/a".into(),
-            },
-            (Workflow::PickupAndDelivery, OnCancel::ReturnToMr) => Location::Fixed {
-                place: "rack/c".into(),
-            },
+            (_, OnCancel::RejectBin) => fixed("bin"),
+            (Workflow::DeliveryAndPlacement, OnCancel::Complete) => fixed("rack/a"),
+            (Workflow::PickupAndDelivery, OnCancel::ReturnToMr) => fixed("rack/c"),
             (Workflow::DeliveryAndPlacement, _) => Location::MobileRobot {
                 mobile_robot: "m1".into(),
                 slot: "s1".into(),
@@ -774,12 +741,7 @@ fn f18_a_blocked_target_waits_until_it_is_free_a() {
     until(&mut w, job, JobState::Suspended);
     block(&mut w, "rack/b");
     w.complete(job);
-    assert_eq!(
-        w.loads["L1"],
-        Location::Fixed {
-            place: "rack/a".into()
-        }
-    );
+    assert_eq!(w.loads["L1"], fixed("rack/a"));
 }
 
 #[test]
@@ -806,12 +768,7 @@ fn f18_a_blocked_target_is_replaced_by_an_alternate_or_an_answer_a() {
                 .unwrap();
         }
         w.complete(job);
-        assert_eq!(
-            w.loads["L1"],
-            Location::Fixed {
-                place: "rack/b".into()
-            }
-        );
+        assert_eq!(w.loads["L1"], fixed("rack/b"));
     }
 }
 
@@ -837,12 +794,7 @@ fn f18_a_slot_that_is_taken_during_the_approach_is_asked_about_b() {
     until(&mut w, job, JobState::Suspended);
     let _reply = w.answer(Answer::PutBack, Detail::None).unwrap();
     until(&mut w, job, JobState::Stopped);
-    assert_eq!(
-        w.loads["P1"],
-        Location::Fixed {
-            place: "rack/c".into()
-        }
-    );
+    assert_eq!(w.loads["P1"], fixed("rack/c"));
 }
 
 fn f19(which: Which) {

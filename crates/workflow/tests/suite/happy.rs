@@ -1,7 +1,7 @@
 //! Both workflows without a fault.
 
 use super::usual::m1;
-use super::world::{World, delivery, item, pickup};
+use super::world::{World, delivery, fixed, item, pickup};
 use workflow::{CompleteOn, JobState, Location};
 
 #[test]
@@ -9,12 +9,7 @@ fn a_delivery_is_placed_and_the_mobile_robot_leaves() {
     let mut w = World::new();
     let job = w.create(delivery());
     w.complete(job);
-    assert_eq!(
-        w.loads["L1"],
-        Location::Fixed {
-            place: "rack/a".into()
-        }
-    );
+    assert_eq!(w.loads["L1"], fixed("rack/a"));
     assert!(w.cell.claims().is_empty(), "{:?}", w.cell.claims());
     assert!(w.cell.sessions(w.now).iter().all(|s| s.state.is_closed()));
 }
@@ -40,12 +35,7 @@ fn two_items_are_placed_one_after_the_other() {
     job.items.push(item(Some("L2"), "s2", "rack/b"));
     let job = w.create(job);
     w.complete(job);
-    assert_eq!(
-        w.loads["L2"],
-        Location::Fixed {
-            place: "rack/b".into()
-        }
-    );
+    assert_eq!(w.loads["L2"], fixed("rack/b"));
 }
 
 #[test]

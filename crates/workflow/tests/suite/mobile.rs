@@ -1,7 +1,7 @@
 //! What mobile robots say and do: lost numbers, loads that are gone, orders that are refused or given up.
 
 use super::usual::m1;
-use super::world::{World, delivery, operator, pickup};
+use super::world::{World, delivery, fixed, operator, pickup};
 use uuid::Uuid;
 use workflow::{
     Answer, Detail, Fact, Fault, Input, InstantAction, JobState, Location, Message, Refusal, Reply,
@@ -119,6 +119,13 @@ fn f23_what_is_parked_is_not_given_up() {
     }
 }
 
+/// Where the cell believes a load to be.
+fn believed(w: &World, load: &str) -> Location {
+    let all = w.cell.custody();
+    let load = all.into_iter().find(|l| l.id == load);
+    load.unwrap().load.location
+}
+
 /// A load that the mobile robot does not have any more, and that nobody ordered off it.
 #[test]
 fn f10_a_load_that_a_mobile_robot_no_longer_has_is_asked_about() {
@@ -130,24 +137,17 @@ fn f10_a_load_that_a_mobile_robot_no_longer_has_is_asked_about() {
         load: Some("L1".into()),
     }]);
     assert_eq!(say(&mut w, changed), TAKEN);
-    let at = |w: &World, load: &str| {
-        let all = w.cell.custody();
-        all.into_iter()
-            .find(|l| l.id == load)
-            .unwrap()
-            .load
-            .location
-    };
-    assert!(matches!(at(&w, "L2"), Location::Unknown { arm: None }));
-    assert!(matches!(at(&w, "L1"), Location::MobileRobot { .. }));
+    assert!(matches!(
+        believed(&w, "L2"),
+        Location::Unknown { arm: None }
+    ));
+    assert!(matches!(believed(&w, "L1"), Location::MobileRobot { .. }));
     let question = w.open_question().unwrap().question;
     assert_eq!(
         (question.fault, question.load.as_deref(), question.job),
         (Fault::PartLost, Some("L2"), None)
     );
-    let rack = Location::Fixed {
-        place: "rack/b".into(),
-    };
+    let rack = fixed("rack/b");
     let detail = |load: &str| Detail::Custody {
         load: load.into(),
         confirm: load.into(),
@@ -156,10 +156,10 @@ fn f10_a_load_that_a_mobile_robot_no_longer_has_is_asked_about() {
     assert!(w.answer(Answer::SetCustody, detail("L1")).is_err());
     assert!(w.answer(Answer::SetCustody, Detail::None).is_err());
     let _reply = w.answer(Answer::SetCustody, detail("L2")).unwrap();
-    assert_eq!(at(&w, "L2"), rack);
+    assert_eq!(believed(&w, "L2"), rack);
     assert!(w.open_question().is_none());
     w.crash();
-    assert_eq!(at(&w, "L2"), rack);
+    assert_eq!(believed(&w, "L2"), rack);
     assert!(w.open_question().is_none());
 }
 
@@ -211,22 +211,17 @@ fn b15_only_what_the_order_names_is_delivered() {
     changed.state.order = Some(order);
     changed.state.loads = Some(Vec::new());
     assert_eq!(say(&mut w, changed), TAKEN);
-    let at = |w: &World, load: &str| {
-        let all = w.cell.custody();
-        all.into_iter()
-            .find(|l| l.id == load)
-            .unwrap()
-            .load
-            .location
-    };
     assert_eq!(
-        at(&w, "P1"),
+        believed(&w, "P1"),
         Location::Delivered {
             destination: "warehouse".into()
         }
     );
     for load in ["L1", "L2"] {
-        assert!(matches!(at(&w, load), Location::Unknown { arm: None }));
+        assert!(matches!(
+            believed(&w, load),
+            Location::Unknown { arm: None }
+        ));
     }
     let asked = w.cell.interventions().iter().filter(|i| i.open).count();
     assert_eq!(asked, 2);

@@ -1,10 +1,10 @@
 //! No sequence of inputs panics, breaks an invariant, or folds differently when it is replayed.
 
-use super::world::{POINT, ZONE, delivery, integrator, pickup};
+use super::world::{POINT, ZONE, delivery, fixed, integrator, pickup};
 use proptest::prelude::*;
 use uuid::Uuid;
 use workflow::{
-    Answer, ArmSeen, BasePose, Cell, Command, CountingIds, Detail, Fact, Input, JobState, Location,
+    Answer, ArmSeen, BasePose, Cell, Command, CountingIds, Detail, Fact, Input, JobState,
     MobileMode, MobileState, OpResult, Safety, Signal, SignalKind, SlotLoad,
 };
 
@@ -140,9 +140,7 @@ fn input(cell: &Cell, now: u64, kind: u8, n: u64, seq: &mut u64) -> Input {
                 .as_ref()
                 .and_then(|i| i.question.load.clone())
                 .unwrap_or_default();
-            let location = Location::Fixed {
-                place: "bin".into(),
-            };
+            let location = fixed("bin");
             let detail = match answer {
                 Answer::SetCustody => Detail::Custody {
                     load: load.clone(),

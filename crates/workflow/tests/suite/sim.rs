@@ -2,7 +2,7 @@
 //! a human who is not always right. The world's own truth is the judge. `SIM_SEEDS` sets how many.
 
 use super::usual::r1;
-use super::world::{Odds, World, delivery, item, pickup};
+use super::world::{Odds, World, delivery, fixed, item, pickup};
 use workflow::{Answer, Command, Detail, JobState, Location, OpResult};
 
 /// A human who looks before answering, and sometimes commands something.
@@ -88,12 +88,7 @@ fn human(w: &mut World) {
             };
             if let Location::Unknown { .. } = w.loads[&load] {
                 // It is found on the floor and carried to the bin.
-                let _old = w.loads.insert(
-                    load.clone(),
-                    Location::Fixed {
-                        place: "bin".into(),
-                    },
-                );
+                let _old = w.loads.insert(load.clone(), fixed("bin"));
             }
             let location = w.loads[&load].clone();
             detail = Detail::Custody {

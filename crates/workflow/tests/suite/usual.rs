@@ -1,7 +1,7 @@
 //! What most tests say about a world: its first arm and mobile robot, a job of either workflow, how far that is.
 
 use uuid::Uuid;
-use workflow::{JobState, Phase, StepState, Workflow};
+use workflow::{Command, JobState, Phase, Refusal, StepState, Workflow};
 
 use super::world::{ArmTruth, MobileTruth, World, delivery, pickup};
 
@@ -43,4 +43,10 @@ pub(super) fn until(w: &mut World, job: Uuid, state: JobState) {
         w.open_question(),
         w.story()
     );
+}
+
+/// There is no way around an open question: the job does not go on without its answer.
+pub(super) fn assert_question_stands(w: &mut World, job: Uuid) {
+    let went_on = w.command(job, Command::Unhold);
+    assert!(matches!(went_on, Err(Refusal::Conflict { .. })));
 }

@@ -239,22 +239,19 @@ pub fn setup() -> Setup {
         loads: vec![
             load("L1", on("s1")),
             load("L2", on("s2")),
-            load(
-                "P1",
-                Location::Fixed {
-                    place: "rack/c".into(),
-                },
-            ),
-            load(
-                "P2",
-                Location::Fixed {
-                    place: "rack/d".into(),
-                },
-            ),
+            load("P1", fixed("rack/c")),
+            load("P2", fixed("rack/d")),
         ],
         destinations: vec!["warehouse".into()],
         triggers: vec![],
         timers: Timers::default(),
+    }
+}
+
+/// A place that does not drive away.
+pub fn fixed(place: &str) -> Location {
+    Location::Fixed {
+        place: place.into(),
     }
 }
 
