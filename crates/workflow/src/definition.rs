@@ -12,7 +12,7 @@ use crate::effect::Action;
 use crate::job::operations::operations;
 use crate::job::params::{CompleteOn, NewJob, OnCancel, Workflow};
 use crate::job::plan::plan;
-use crate::job::{Compensation, Item, Job, JobState, Step, Why};
+use crate::job::{Item, Job, JobState, Step};
 
 /// Raised whenever the meaning of a step changes; a test compares it with the digests.
 const VERSION: u32 = 1;
@@ -90,26 +90,9 @@ fn example(workflow: Workflow, choice: bool, items: Vec<Item>) -> Job {
     };
     let steps = plan(&spec, &items);
     Job {
-        id: Uuid::nil(),
-        number: 0,
-        spec,
-        trigger: None,
-        origin: None,
-        definition: None,
         state: JobState::Execute,
-        why: Why::Course,
-        text: String::new(),
-        arm: None,
-        mobile_robot: None,
-        session: None,
-        items,
         steps: steps.into_iter().map(Step::new).collect(),
-        near: None,
-        by_hand: None,
-        compensation: Compensation::None,
-        redispatches: 0,
-        loads_accepted: false,
-        faults: Vec::new(),
+        ..Job::new(Uuid::nil(), 0, spec, items)
     }
 }
 

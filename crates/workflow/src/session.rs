@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use uuid::Uuid;
 
+use crate::fact::Rewind;
 use crate::faults::Fault;
 use crate::setup::BasePose;
 
@@ -142,4 +143,49 @@ pub(crate) struct Session {
     pub measured_accepted: bool,
     /// How often the request of this state was sent again.
     pub resends: u8,
+}
+
+impl Session {
+    /// A session that has just claimed its point.
+    pub(crate) fn reserved(
+        id: Uuid,
+        number: u64,
+        job: Uuid,
+        point: &str,
+        mobile_robot: &str,
+    ) -> Self {
+        Self {
+            id,
+            number,
+            point: point.to_owned(),
+            job,
+            mobile_robot: mobile_robot.to_owned(),
+            state: SessionState::Reserved,
+            faulted: None,
+            order: None,
+            update: 0,
+            assigned: false,
+            arrived: false,
+            docked: None,
+            ready: false,
+            cleared: false,
+            echoes: false,
+            left: false,
+            dock_tries: 0,
+            backs_out: false,
+            measured_accepted: false,
+            resends: 0,
+        }
+    }
+
+    /// As if it had not docked yet, or not even been ordered.
+    pub(crate) fn rewind(&mut self, to: Rewind) {
+        (self.docked, self.ready, self.measured_accepted) = (None, false, false);
+        self.backs_out = false;
+        if to == Rewind::Order {
+            (self.order, self.update) = (None, 0);
+            (self.assigned, self.arrived, self.cleared) = (false, false, false);
+            (self.left, self.echoes, self.dock_tries) = (false, false, 0);
+        }
+    }
 }

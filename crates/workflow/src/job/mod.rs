@@ -1,14 +1,19 @@
 //! Jobs (SM-5) and their steps (SM-6).
 
 pub(crate) mod command;
+mod docking;
+mod elsewhere;
 pub(crate) mod operations;
+mod orders;
 pub(crate) mod params;
 pub(crate) mod phase;
 pub(crate) mod plan;
+mod results;
+mod resume;
 pub(crate) mod run;
 pub(crate) mod undo;
 pub(crate) mod validate;
-pub(crate) mod waits;
+mod verify;
 
 use serde::{Deserialize, Serialize};
 use uuid::Uuid;
@@ -249,6 +254,32 @@ pub(crate) struct Job {
 }
 
 impl Job {
+    /// A job that has just been asked for.
+    pub(crate) fn new(id: Uuid, number: u64, spec: NewJob, items: Vec<Item>) -> Self {
+        Self {
+            id,
+            number,
+            spec,
+            trigger: None,
+            origin: None,
+            definition: None,
+            state: JobState::Idle,
+            why: Why::Course,
+            text: String::new(),
+            arm: None,
+            mobile_robot: None,
+            session: None,
+            items,
+            steps: Vec::new(),
+            near: None,
+            by_hand: None,
+            compensation: Compensation::None,
+            redispatches: 0,
+            loads_accepted: false,
+            faults: Vec::new(),
+        }
+    }
+
     /// Whether a signal of this mobile robot started it.
     pub(crate) fn signaled_by(&self, mobile_robot: &str) -> bool {
         let who = self
