@@ -17,6 +17,7 @@ use crate::job::{Compensation, Item, Job, JobState, StepState, Why};
 use crate::session::SessionState;
 use crate::signal::Message;
 use crate::supervise::grip_of;
+use crate::words;
 use crate::work::Work;
 
 impl Work<'_> {
@@ -28,7 +29,7 @@ impl Work<'_> {
         principal: &Principal,
         reason: &str,
     ) -> Result<Reply, Refusal> {
-        let name = format!("answer {answer:?}");
+        let name = format!("answer {}", words::small(answer));
         allowed(&name, principal, reason)?;
         let Some(found) = self.cell.book.interventions.get(&id).cloned() else {
             return Err(Refusal::Unknown {
@@ -53,10 +54,9 @@ impl Work<'_> {
             return Err(conflict("the question was decided or withdrawn".into()));
         }
         if !found.question.answers.contains(&answer) {
-            return Err(conflict(format!(
-                "allowed are {:?}",
-                found.question.answers
-            )));
+            let allowed = found.question.answers.iter().map(words::small);
+            let allowed = allowed.collect::<Vec<_>>().join(", ");
+            return Err(conflict(format!("allowed are {allowed}")));
         }
         if principal.role < answer.needs() {
             return Err(Refusal::Forbidden {
@@ -96,12 +96,12 @@ impl Work<'_> {
         else {
             return Err(Refusal::Invalid {
                 item: "detail".into(),
-                problem: format!("{:?} needs to know where", decided.answer),
+                problem: format!("{} needs to know where", words::small(decided.answer)),
             });
         };
         if load != asked {
             return Err(Refusal::Conflict {
-                command: format!("answer {:?}", decided.answer),
+                command: format!("answer {}", words::small(decided.answer)),
                 text: format!("the question is about load {asked}"),
             });
         }
@@ -153,7 +153,7 @@ impl Work<'_> {
             principal: principal.name.clone(),
         };
         let no = |text: String| Refusal::Conflict {
-            command: format!("answer {answer:?}"),
+            command: format!("answer {}", words::small(answer)),
             text,
         };
         // Whatever an answer needs is checked before it is written down.
@@ -208,7 +208,7 @@ impl Work<'_> {
             ) => {
                 return Err(Refusal::Invalid {
                     item: "detail".into(),
-                    problem: format!("{answer:?} needs to know which"),
+                    problem: format!("{} needs to know which", words::small(answer)),
                 });
             }
             _ => {}
@@ -660,7 +660,7 @@ impl Work<'_> {
         let answer = decided.answer;
         let Some(session) = question.session.and_then(|s| self.session(s)) else {
             return Err(Refusal::Conflict {
-                command: format!("answer {answer:?}"),
+                command: format!("answer {}", words::small(answer)),
                 text: "its session is not known any more".into(),
             });
         };

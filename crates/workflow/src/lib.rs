@@ -65,6 +65,7 @@ mod timers;
 mod timers_in;
 mod triggers;
 pub mod view;
+mod words;
 mod work;
 
 pub use book::OpState;

@@ -14,6 +14,7 @@ use crate::job::{Job, JobState, StepState, Why};
 use crate::react::Reaction;
 use crate::signal::{Message, SignalKind};
 use crate::timers::TimerKey;
+use crate::words;
 use crate::work::{Ask, Work};
 
 impl Work<'_> {
@@ -453,8 +454,8 @@ impl Work<'_> {
             job: Some(job.id),
             fault,
             question: format!(
-                "The job stays {:?}: {why_not}. How should it go on?",
-                job.state
+                "The job stays {}: {why_not}. How should it go on?",
+                words::capitals(job.state)
             ),
             known,
             unknown: vec![why_not],

@@ -8,6 +8,7 @@ use crate::faults::Fault;
 use crate::job::phase::{Phase, Shown};
 use crate::job::{Compensation, Job, JobState, StepState, Why};
 use crate::session::{Session, SessionState};
+use crate::words;
 use crate::work::Work;
 
 /// The load a gripper was acting on.
@@ -165,8 +166,9 @@ impl Work<'_> {
             };
             if !seen.mode.is_automatic() {
                 return Err(format!(
-                    "{} is in mode {:?}",
-                    session.mobile_robot, seen.mode
+                    "{} is in mode {}",
+                    session.mobile_robot,
+                    words::capitals(seen.mode)
                 ));
             }
             return self.still_serves(session);

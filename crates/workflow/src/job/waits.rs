@@ -14,6 +14,7 @@ use crate::react::Reaction;
 use crate::session::{Session, SessionState};
 use crate::setup::PlaceRef;
 use crate::signal::{Message, SlotLoad};
+use crate::words;
 use crate::work::{Ask, Work};
 
 impl Work<'_> {
@@ -303,7 +304,7 @@ impl Work<'_> {
         let mut known = self.known_of(job);
         known.push(match self.report(job) {
             Some(report) if report.is_empty() => "it reports no loads".into(),
-            Some(report) => format!("it reports {report:?}"),
+            Some(report) => format!("it reports {}", words::loads(&report)),
             None => "it does not report its loads".into(),
         });
         let ask = Ask {
@@ -357,7 +358,7 @@ impl Work<'_> {
             answers.push(Answer::AcceptMeasured);
         }
         let mut known = self.known_of(&job);
-        known.extend(measured.map(|p| format!("it docked at {p:?}")));
+        known.extend(measured.map(|at| format!("it docked at {}", words::pose(&at))));
         let ask = Ask {
             question: format!(
                 "{} cannot dock at {}: {text}",
