@@ -141,6 +141,20 @@ pub enum LedgerEvent {
     Violation { what: Violation, detail: String },
 }
 
+impl LedgerEvent {
+    /// It tells of nothing but that the robot is there.
+    pub(crate) fn is_heartbeat(&self) -> bool {
+        matches!(
+            self,
+            Self::SignalSent { signal, .. }
+                | Self::SignalAnswered { signal, .. }
+                | Self::SignalUnanswered { signal, .. }
+                | Self::SignalLost { signal, .. }
+                if *signal == SignalName::MrHeartbeat
+        )
+    }
+}
+
 /// What a robot must never do.
 #[derive(Clone, Copy, Debug, Eq, PartialEq, Serialize)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]

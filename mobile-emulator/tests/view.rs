@@ -59,6 +59,12 @@ async fn it_shows_its_state_and_its_ledger() {
     assert_eq!(state["slots"][0], json!({"slot": "a", "load": "box-1"}));
     let (_, ledger) = get(address, "/ledger?limit=3").await;
     assert_eq!(ledger["entries"].as_array().unwrap().len(), 3);
+    // Whoever looks after a quiet hour wants to see what was before it, not an hour of heartbeats.
+    let (_, eventful) = get(address, "/ledger?heartbeats=false&limit=1000").await;
+    let eventful = eventful["entries"].as_array().unwrap();
+    let signals = |name: &str| eventful.iter().filter(|e| e["signal"] == name).count();
+    assert_eq!(signals("MR_HEARTBEAT"), 0);
+    assert!(signals("MR_DOCKED") > 0);
     let n = ledger["entries"][2]["n"].as_u64().unwrap();
     let (_, newer) = get(address, &format!("/ledger?after={n}")).await;
     assert_eq!(newer["entries"], json!([]));

@@ -572,18 +572,13 @@ pub(crate) async fn does_not_leave(which: Which) {
 pub(crate) async fn control_taken(which: Which) {
     let run = Run::start(which).await;
     run.until_in_zone().await;
-    let body = json!({"station": "REMOTE", "ttl_s": 60, "reason": "a look", "preempt": true});
-    let (status, lease) = run.cell.post("/control-authority", &body).await;
-    assert_eq!(status, 201, "{lease}");
+    let control = run.cell.take_control().await;
     let _job = run.until("HELD").await;
     assert!(run.has("F22").await);
     run.nothing_moves().await;
     let (status, said) = run.try_command("unhold").await;
     assert_eq!(status, 409, "control has to come back first: {said}");
-    let id = lease["lease"]
-        .as_str()
-        .or_else(|| lease["id"].as_str())
-        .unwrap();
+    let (id, _epoch) = control.split_once('.').unwrap();
     let given = run.cell.delete(&format!("/control-authority/{id}")).await;
     assert_eq!(given, 200);
     run.nothing_moves().await;

@@ -82,6 +82,35 @@ async fn m5_a_lie_that_nothing_shows_ends_at_an_empty_gripper() {
     run.cell.assert_nothing_twice().await;
 }
 
+/// For a moment on its way it believes to be elsewhere, and trusts its pose as ever. Nobody drives that far in the time: it
+/// docks anew before the arm comes near, and nobody has to be asked.
+///
+/// Covers: M5.
+#[tokio::test(flavor = "multi_thread")]
+async fn m5_a_pose_that_jumped_on_the_way_is_docked_for_anew() {
+    let size = "footprint = { length_mm = 800";
+    let fast = format!("max_speed_mm_s = 60_000\n{size}");
+    let run = Run::with_setup(Which::Delivery, (size, &fast), &[], Value::Null).await;
+    run.until_phase("AWAIT").await;
+    run.fault(Fault::Lie {
+        x_mm: 100_000.0,
+        y_mm: 0.0,
+        heading_deg: 0.0,
+        for_s: None,
+    })
+    .await;
+    run.cell
+        .wait("the cell hears of it", A_JOB, async |cell| {
+            let robot = cell.get("/mobile-robots/mr1").await;
+            (robot["data"]["pose"]["x_mm"].as_f64()? > 90_000.0).then_some(())
+        })
+        .await;
+    run.faults_end().await;
+    run.complete().await;
+    assert!(run.has("F3").await);
+    run.assert_nobody_asked().await;
+}
+
 /// It leaves in the middle of the transfer: the arm stops, and what the job holds stays reserved until a person cleared it.
 async fn leaves(which: Which) {
     let run = Run::start(which).await;

@@ -266,12 +266,41 @@ impl TestCell {
         key: &str,
         body: &Value,
     ) -> (StatusCode, Value) {
+        self.send(path, body, &[("idempotency-key", key)]).await
+    }
+
+    /// What a person asks for who has control of the cell.
+    pub(crate) async fn post_in_control(
+        &self,
+        path: &str,
+        control: &str,
+        body: &Value,
+    ) -> (StatusCode, Value) {
+        let key = self.keys.fetch_add(1, Ordering::Relaxed);
+        let key = format!("test-{key}");
+        let headers = [("idempotency-key", &*key), ("control-token", control)];
+        self.send(path, body, &headers).await
+    }
+
+    /// Takes control of the cell for a minute, and returns its token.
+    pub(crate) async fn take_control(&self) -> String {
+        let body = json!({"station": "REMOTE", "ttl_s": 60, "reason": "a look", "preempt": true});
+        let (status, lease) = self.post("/control-authority", &body).await;
+        assert_eq!(status, 201, "{lease}");
+        lease["token"].as_str().unwrap().to_owned()
+    }
+
+    async fn send(
+        &self,
+        path: &str,
+        body: &Value,
+        headers: &[(&str, &str)],
+    ) -> (StatusCode, Value) {
         let url = format!("http://{}{BASE}{path}", self.address);
-        let request = self
-            .http
-            .post(url)
-            .header("idempotency-key", key)
-            .json(body);
+        let mut request = self.http.post(url).json(body);
+        for (name, value) in headers {
+            request = request.header(*name, *value);
+        }
         let answer = request.send().await.unwrap();
         let status = answer.status();
         (status, answer.json().await.unwrap_or(Value::Null))

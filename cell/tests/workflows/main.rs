@@ -26,6 +26,7 @@ mod random_moments;
 mod run;
 mod sigkill;
 mod simulate;
+mod zones;
 
 use cell::world::PartAt;
 use kit::TestCell;

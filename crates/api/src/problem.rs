@@ -289,6 +289,8 @@ problem_codes! {
     SimulationFailed, "simulation-failed", 500, "The simulation failed";
     /// There is no way from start to goal, or none was found within what was allowed.
     NoWay, "no-way", 422, "No way was found";
+    /// The way enters a keep-out zone, or leaves the work area.
+    ZoneViolation, "zone-violation", 422, "A zone of the cell is in the way";
 }
 
 // By hand: the derived schema does not see a name that a macro gives, and would list the variants.

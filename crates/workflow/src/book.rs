@@ -1,6 +1,7 @@
 //! The two halves of the state: what facts say (durable), and what is seen right now (volatile).
 
 use std::collections::{BTreeMap, VecDeque};
+use std::fmt;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -9,6 +10,7 @@ use uuid::Uuid;
 use crate::claims::Claims;
 use crate::custody::Custody;
 use crate::effect::Action;
+use crate::ids::Millis;
 use crate::input::ArmSeen;
 use crate::intervention::Intervention;
 use crate::job::{Job, JobState};
@@ -97,6 +99,11 @@ pub(crate) struct Book {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct MobileLive {
     pub state: Option<MobileState>,
+    /// When that came, and when it says that it sent it.
+    pub seen_at: Option<Millis>,
+    pub told_at: Option<i64>,
+    /// Its pose went farther than it can drive, since it was last told to dock.
+    pub jump: Option<Jump>,
     /// Signals since it was last lost.
     pub beats: u64,
     /// All signals; re-arms the heartbeat timer.
@@ -108,6 +115,28 @@ pub(crate) struct MobileLive {
     pub seq: u64,
     /// Its numbering is followed; not right after a restart, because heartbeats are not kept.
     pub synced: bool,
+}
+
+/// A way between two signals that nobody can have driven in the time between them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Jump {
+    pub distance_mm: f64,
+    pub within_ms: u64,
+    pub max_speed_mm_s: u32,
+}
+
+impl fmt::Display for Jump {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            distance_mm,
+            within_ms,
+            max_speed_mm_s,
+        } = self;
+        write!(
+            f,
+            "its pose went {distance_mm:.0} mm within {within_ms} ms, and it drives at most {max_speed_mm_s} mm/s: it does not know where it is"
+        )
+    }
 }
 
 /// What was seen of an arm in this process.

@@ -13,6 +13,7 @@ use crate::permits::Permit;
 use crate::session::Session;
 use crate::setup::Point;
 use crate::signal::MobileState;
+use crate::words;
 
 impl Cell {
     /// The permit of a session right now.
@@ -108,7 +109,7 @@ impl Cell {
             return Err("it is not localized".into());
         }
         if !seen.mode.is_automatic() {
-            return Err(format!("its mode is {:?}", seen.mode));
+            return Err(format!("its mode is {}", words::capitals(seen.mode)));
         }
         if !seen.pose.within(&docked, point.tolerance) {
             return Err("its pose is not the one it docked at".into());
@@ -117,15 +118,22 @@ impl Cell {
             && seen.pose.within(&point.dock, point.tolerance);
         if !near && !session.measured_accepted {
             return Err(format!(
-                "it docked at x {:.1} mm, y {:.1} mm, {:.2} deg, outside {} mm and {} deg",
-                docked.x_mm,
-                docked.y_mm,
-                docked.heading_deg,
+                "it docked at {}, outside {} mm and {} deg",
+                words::pose(&docked),
                 point.tolerance.mm,
                 point.tolerance.deg
             ));
         }
         Ok(())
+    }
+
+    /// Its own account of its way to the dock is one that can have been driven (M5).
+    pub(crate) fn way_evidence(&self, session: &Session) -> Result<(), String> {
+        let live = self.live.mobiles.get(&session.mobile_robot);
+        match live.and_then(|live| live.jump) {
+            Some(jump) if !session.measured_accepted => Err(jump.to_string()),
+            Some(_) | None => Ok(()),
+        }
     }
 
     /// Nothing is booked where a load is to be put down, and the mobile robot reports nothing there either. What it says

@@ -68,6 +68,7 @@ mod timers_in;
 mod transport;
 mod triggers;
 pub mod view;
+mod words;
 mod work;
 
 pub use book::OpState;

@@ -8,6 +8,7 @@ use crate::intervention::Answer;
 use crate::job::{Job, JobState, StepState, Why};
 use crate::session::{Session, SessionState};
 use crate::signal::Message;
+use crate::words;
 use crate::work::{Ask, Work};
 
 /// What to do about a fault of a job.
@@ -104,7 +105,7 @@ impl Work<'_> {
         let Some(job) = self.job(job.id) else { return };
         let what = job
             .step(step)
-            .map(|s| format!("{:?}", s.plan.phase))
+            .map(|s| words::capitals(s.plan.phase))
             .unwrap_or_default();
         let ask = Ask {
             op,
@@ -195,8 +196,10 @@ impl Work<'_> {
         }
         if let Some(session) = self.cell.session_of(job) {
             known.push(format!(
-                "{} at {}: session {:?}",
-                session.mobile_robot, session.point, session.state
+                "{} at {}: the hand-over is {}",
+                session.mobile_robot,
+                session.point,
+                words::capitals(session.state)
             ));
         }
         known

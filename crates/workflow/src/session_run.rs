@@ -9,6 +9,7 @@ use crate::intervention::Answer;
 use crate::job::JobState;
 use crate::session::{Session, SessionState};
 use crate::signal::Message;
+use crate::words;
 use crate::work::{Ask, Work};
 
 impl Work<'_> {
@@ -52,7 +53,8 @@ impl Work<'_> {
                 }
             }
             SessionState::Positioned if session.docked.is_some() && runs => {
-                match self.cell.dock_evidence(session) {
+                let evidence = self.cell.dock_evidence(session);
+                match evidence.and_then(|()| self.cell.way_evidence(session)) {
                     Ok(()) => {
                         self.move_session(session, SessionState::Docked);
                         self.tell(session, Message::MovePermit { granted: false });
@@ -176,7 +178,7 @@ impl Work<'_> {
                 session.mobile_robot, session.point
             ),
             known: vec![
-                format!("the session is {:?}", session.state),
+                format!("the hand-over is {}", words::capitals(session.state)),
                 "the arm has no permit to enter".into(),
             ],
             unknown: vec![format!("whether {} can move", session.mobile_robot)],

@@ -44,6 +44,9 @@ pub struct MobileRobotSetup {
     pub id: String,
     /// Names of its slots.
     pub slots: Vec<String>,
+    /// The fastest it can drive, in mm/s. Where its pose goes farther between two signals, it does not know where it is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_speed_mm_s: Option<u32>,
 }
 
 /// A load handling point: where one mobile robot docks and the arms of `arms` reach its slots.

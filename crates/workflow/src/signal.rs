@@ -104,6 +104,10 @@ pub struct Signal {
     pub seq: u64,
     /// What.
     pub kind: SignalKind,
+    /// When, by its own clock, in milliseconds. It decides nothing but how long the way since its signal before can have
+    /// taken at most.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at_ms: Option<i64>,
     /// A heartbeat that says: whatever of this boot has a lower number and did not arrive is lost for ever.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub resync: bool,

@@ -12,6 +12,7 @@ use crate::job::{Job, JobState, Why};
 use crate::permits::Permit;
 use crate::react::Reaction;
 use crate::session::{Session, SessionState};
+use crate::words;
 use crate::work::{Ask, Work};
 
 impl Work<'_> {
@@ -75,7 +76,7 @@ impl Work<'_> {
                 job,
                 Reaction {
                     fault,
-                    text: format!("{arm} is in {:?}", live.seen.safety),
+                    text: format!("{arm} is in {}", words::capitals(live.seen.safety)),
                     permits: true,
                     ..Reaction::default()
                 },
@@ -134,7 +135,7 @@ impl Work<'_> {
                 job,
                 Reaction {
                     fault: Fault::ControlLost,
-                    text: "jobs do not have control".into(),
+                    text: "somebody took control of the cell; `unhold` lets the job go on".into(),
                     stop: moving,
                     state: Some(JobState::Holding),
                     ..Reaction::default()
@@ -221,7 +222,7 @@ impl Work<'_> {
                 self.mobile_fault(
                     &job,
                     Fault::ModeChanged,
-                    &format!("its mode is {:?}", seen.mode),
+                    &format!("its mode is {}", words::capitals(seen.mode)),
                 );
             } else if seen.errors.iter().any(|e| e.fatal) {
                 self.mobile_fault(&job, Fault::ModeChanged, "it reports a fatal error");

@@ -13,6 +13,7 @@ use crate::job::{Job, JobState, Why};
 use crate::react::Reaction;
 use crate::signal::SignalKind;
 use crate::timers::TimerKey;
+use crate::words;
 use crate::work::{Ask, Work};
 
 impl Work<'_> {
@@ -261,8 +262,8 @@ impl Work<'_> {
             job: Some(job.id),
             fault,
             question: format!(
-                "The job stays {:?}: {why_not}. How should it go on?",
-                job.state
+                "The job stays {}: {why_not}. How should it go on?",
+                words::capitals(job.state)
             ),
             known,
             unknown: vec![why_not],

@@ -107,6 +107,13 @@ struct LedgerQuery {
     after: u64,
     /// Only so many, the newest.
     limit: Option<usize>,
+    /// Heartbeats too, which outnumber all else.
+    #[serde(default = "yes")]
+    heartbeats: bool,
+}
+
+const fn yes() -> bool {
+    true
 }
 
 /// A list of a bounded log.
@@ -134,10 +141,14 @@ async fn ledger(
     Shared(commands): Shared<Commands>,
     query: Result<Query<LedgerQuery>, QueryRejection>,
 ) -> Result<Response, Refused> {
-    let Query(LedgerQuery { after, limit }) =
-        query.map_err(|error| Refused::Request(StatusCode::BAD_REQUEST, error.body_text()))?;
+    let Query(LedgerQuery {
+        after,
+        limit,
+        heartbeats,
+    }) = query.map_err(|error| Refused::Request(StatusCode::BAD_REQUEST, error.body_text()))?;
     let page = ask(&commands, |answer| Command::Ledger { after, answer }).await?;
     let mut entries = page.entries;
+    entries.retain(|entry| heartbeats || !entry.event.is_heartbeat());
     let surplus = limit.map_or(0, |limit| entries.len().saturating_sub(limit));
     drop(entries.drain(..surplus));
     let dropped = page.dropped;

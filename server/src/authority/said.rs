@@ -42,7 +42,7 @@ impl CellControl {
                 Refused {
                     code: ProblemCode::ControlHeld,
                     detail: format!(
-                        "`{}` has control of cell `{}` since {:.0}, until {:.0} unless it goes on: {}",
+                        "`{}` has control of cell `{}` since {:.0}, and keeps it until {:.0} if no heartbeat comes; the reason given: {}",
                         holder.holder, self.cell, holder.since, holder.expires, holder.reason
                     ),
                     holder: Some(Box::new(holder)),

@@ -102,7 +102,7 @@ fn report_of(world: &World, history: &History) -> JobReport {
     report
 }
 
-/// Covers: W1, W5. A delivery from its creation to its end.
+/// A delivery from its creation to its end.
 #[test]
 fn a_delivery_is_told_in_order_and_its_phases_are_added_up() {
     let mut world = World::new();
@@ -193,7 +193,7 @@ fn a_job_is_shown_from_its_story_as_the_cell_shows_it() {
     assert_eq!((told.arm, told.session), (known.arm, known.session));
 }
 
-/// Covers: W4. A grip that fails is an attempt of its phase, and a fault.
+/// A grip that fails is an attempt of its phase, and a fault.
 #[test]
 fn a_grip_that_was_repeated_is_two_attempts_and_a_fault() {
     let mut world = World::new();
@@ -216,7 +216,7 @@ fn a_grip_that_was_repeated_is_two_attempts_and_a_fault() {
     assert!(repeated.count() > 0, "{:#?}", report.phases);
 }
 
-/// Covers: W5. Two jobs at once: each story has its own facts only.
+/// Two jobs at once: each story has its own facts only.
 #[test]
 fn the_stories_of_two_jobs_are_not_mixed() {
     let mut world = World::new();
@@ -252,7 +252,7 @@ fn the_stories_of_two_jobs_are_not_mixed() {
     }
 }
 
-/// Covers: W6, W9. What people command and answer is in the report, with how long the question was open.
+/// What people command and answer is in the report, with how long the question was open.
 #[test]
 fn decisions_and_restarts_are_reported() {
     let mut world = World::new();

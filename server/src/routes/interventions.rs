@@ -191,9 +191,9 @@ async fn answer_question(
             return problem;
         };
         let said = format!(
-            "it was answered: {} said `{:?}`, because \"{}\"",
+            "{} said `{}`, because \"{}\"",
             decided.principal,
-            decided.answer,
+            crate::words::word(&decided.answer),
             crate::state::shown(&decided.reason)
         );
         if problem.code() == ProblemCode::AlreadyAnswered {

@@ -11,19 +11,22 @@ use api::{
 use axum::Json;
 use axum::extract::{FromRequest, FromRequestParts, Query, Request, State};
 use axum::http::request::Parts;
+use kinematics::Xyzwpr;
 use protocol::{MAX_SPEED, MIN_SPEED};
 use serde::de::DeserializeOwned;
-use units::MmPerSec;
+use units::{Degrees, Millimeters, MmPerSec};
 
 use super::legacy_error::LegacyError;
+use super::motion_zones;
 use super::responses::{AnyProblem, BodyProblem, CrossSite, LinkProblem};
 use crate::authority::{Claim, token};
 use crate::extract::read_json;
 use crate::identity::Principal;
-use crate::motions::{Accepted, CommandFailure};
+use crate::link::Base;
+use crate::motions::{Accepted, Asked, CommandFailure};
 use crate::problem::Problem;
 use crate::request_id::RequestId;
-use crate::state::{App, Robot, shown};
+use crate::state::{App, RobotLink, shown};
 use crate::target::{Prepared, Refusal, sent_point};
 use crate::wire_bodies::{legacy_point, point_of_legacy};
 
@@ -53,9 +56,11 @@ pub(super) async fn fanuc_move(
     Velocity(speed): Velocity,
     LegacyBody(body): LegacyBody<LegacyPoint>,
 ) -> Result<Json<LegacyMoved>, LegacyError> {
-    let robot = &app.legacy;
-    let prepared = robot.plan.prepare_point(&point_of_legacy(&body), speed);
-    send(robot, prepared, claim, request_id).await
+    let prepared = app
+        .legacy
+        .plan
+        .prepare_point(&point_of_legacy(&body), speed);
+    send(&app, prepared, claim, request_id).await
 }
 
 /// Moves to the home joints of the arm model.
@@ -76,9 +81,8 @@ pub(super) async fn fanuc_home(
     request_id: RequestId,
     Velocity(speed): Velocity,
 ) -> Result<Json<LegacyMoved>, LegacyError> {
-    let robot = &app.legacy;
-    let prepared = robot.plan.prepare_home(speed);
-    send(robot, prepared, claim, request_id).await
+    let prepared = app.legacy.plan.prepare_home(speed);
+    send(&app, prepared, claim, request_id).await
 }
 
 /// Moves relative to the last accepted target, number by number.
@@ -106,6 +110,7 @@ pub(super) async fn fanuc_delta(
 ) -> Result<Json<LegacyMoved>, LegacyError> {
     let robot = &app.legacy;
     let change = [body.dx, body.dy, body.dz, body.dw, body.dp, body.dr];
+    check_delta(&app, change, speed)?;
     let sent = robot
         .carry_out_delta(change, speed, claim, request_id)
         .await;
@@ -123,17 +128,47 @@ pub(super) async fn version() -> Json<LegacyVersion> {
     })
 }
 
+/// Looks at the zones where a relative move would end. What else is wrong with it, and what it counts from in the end,
+/// is the link's to say.
+fn check_delta(app: &App, change: [f64; 6], speed: MmPerSec) -> Result<(), LegacyError> {
+    let robot = &app.legacy;
+    let RobotLink::Seed(link) = &robot.link else {
+        return Ok(());
+    };
+    let Base::Target(from) = link.status().base else {
+        return Ok(());
+    };
+    let from = sent_point(&from);
+    let [x, y, z, w, p, r] = change;
+    let target = Xyzwpr {
+        x: from.x + Millimeters(x),
+        y: from.y + Millimeters(y),
+        z: from.z + Millimeters(z),
+        w: from.w + Degrees(w),
+        p: from.p + Degrees(p),
+        r: from.r + Degrees(r),
+    };
+    let Ok(prepared) = robot.plan.prepare_point(&target, speed) else {
+        return Ok(());
+    };
+    motion_zones::check(app, robot, &Asked::of(&prepared))
+        .map_err(|problem| LegacyError::unreachable(problem.detail()))
+}
+
 /// Sends a move that passed the server's checks, or says why it did not.
 async fn send(
-    robot: &Arc<Robot>,
+    app: &App,
     prepared: Result<Prepared, Refusal>,
     claim: Claim,
     request_id: RequestId,
 ) -> Result<Json<LegacyMoved>, LegacyError> {
+    let robot = &app.legacy;
     let prepared = prepared.map_err(|refusal| {
         refusal.log(&robot.plan.id, &request_id);
         LegacyError::of_refusal(&refusal, &POINT)
     })?;
+    motion_zones::check(app, robot, &Asked::of(&prepared))
+        .map_err(|problem| LegacyError::unreachable(problem.detail()))?;
     let within = robot.plan.deadline;
     let sent = robot.carry_out(prepared, claim, request_id, within).await;
     answer(sent)

@@ -67,7 +67,7 @@ impl LegacyError {
         Self::Refused(format!("ERROR: NO CONTROL: {refused}"))
     }
 
-    fn unreachable(reason: &str) -> Self {
+    pub(crate) fn unreachable(reason: &str) -> Self {
         Self::Refused(format!("{}: {reason}", protocol::Reply::Unreachable))
     }
 }

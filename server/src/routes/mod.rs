@@ -20,6 +20,7 @@ mod loads;
 mod mobile_robots;
 mod motion_body;
 mod motion_control;
+mod motion_zones;
 mod motions;
 mod page;
 mod params;

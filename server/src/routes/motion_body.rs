@@ -99,7 +99,10 @@ pub(super) fn check(
         Some(left) => match Duration::try_from(left) {
             Ok(left) if !left.is_zero() => left,
             Ok(_) | Err(_) => {
-                let detail = format!("`not_after` passed {:?} ago", left.unsigned_abs());
+                let detail = format!(
+                    "not_after: {:.0} has passed: it is {now:.0}",
+                    body.not_after.unwrap_or(now)
+                );
                 return Err(Problem::not_sent(ProblemCode::DeadlinePassed, detail));
             }
         },

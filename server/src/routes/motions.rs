@@ -14,6 +14,7 @@ use uuid::Uuid;
 
 use super::caller::Caller;
 use super::motion_body::{self, Timing};
+use super::motion_zones;
 use super::page::{MAX_PAGE, Page};
 use super::params::{ControlHeader, MotionId, RobotOf, RobotPath};
 use super::prefer::Prefer;
@@ -65,7 +66,7 @@ const PREFERENCE_APPLIED: HeaderName = HeaderName::from_static("preference-appli
         (status = 400, description = "`idempotency-missing`: the header is missing. `invalid-json`.", body = api::Problem, content_type = "application/problem+json"),
         (status = 409, description = "`controller-rejected`: the controller refused it. `deadline-passed`: it waited too long and was not sent. `in-doubt`: an earlier motion has to be decided first. `idempotency-in-flight`: the first request with this key is still being answered. `plan-expired`, `stale-state`, `pose-stale`: what it was made from does not hold any more. `motion-canceled`, `motion-interrupted`, `server-restarted`: what became of it. `not-supported`: this controller cannot do it. `control-lost`: control of the cell ended before it was sent.",
             body = api::Problem, content_type = "application/problem+json"),
-        (status = 422, description = "`validation`: the body does not fit. `out-of-workspace`, `joint-limit-exceeded`, `no-solution-in-configuration`, `singularity`: the arm cannot do it. `idempotency-mismatch`: the key was used for something else. Nothing was sent.",
+        (status = 422, description = "`validation`: the body does not fit. `out-of-workspace`, `joint-limit-exceeded`, `no-solution-in-configuration`, `singularity`: the arm cannot do it. `zone-violation`: its way enters a keep-out zone or leaves the work area. `idempotency-mismatch`: the key was used for something else. Nothing was sent.",
             body = api::Problem, content_type = "application/problem+json"),
         ControlProblem, CrossSite, NotFound, BodyProblem, LinkProblem, AnyProblem,
     ),
@@ -114,7 +115,7 @@ pub(super) async fn create_motion(
     let stops = robot.motions.stops();
     let (motion, is_new, patience) = match &robot.link {
         RobotLink::Seed(_) => {
-            let prepared = prepared(&robot, &body).map_err(refused)?;
+            let prepared = prepared(&app, &robot, &body).map_err(refused)?;
             let start = Start {
                 prepared,
                 entry: Entry {
@@ -139,7 +140,8 @@ pub(super) async fn create_motion(
         RobotLink::CellServer(link) => {
             let reason = body.reason.clone();
             let of_link = link.clone();
-            let resolve = move |robot: &Robot| asked(robot, &of_link, &body);
+            let of_app = Arc::clone(&app);
+            let resolve = move |robot: &Robot| asked(&of_app, robot, &of_link, &body);
             let numbered = Numbered {
                 resolve: Box::new(resolve),
                 request_id: request_id.clone(),
@@ -168,25 +170,35 @@ pub(super) async fn create_motion(
 }
 
 /// What a controller of tier 0 is to be sent: the plan's, or the body's.
-fn prepared(robot: &Robot, body: &MotionBody) -> Result<Prepared, Problem> {
+fn prepared(app: &App, robot: &Robot, body: &MotionBody) -> Result<Prepared, Problem> {
     let plan = plan_of(robot, body)?;
     check_expected(robot, body, plan.as_ref())?;
     no_doubt(robot)?;
-    match plan.map(|plan| plan.planned) {
-        Some(Planned::Seed(prepared)) => Ok(prepared),
-        Some(Planned::Numbered(_)) | None => motion_body::prepare(robot, body),
-    }
+    let prepared = match plan.map(|plan| plan.planned) {
+        Some(Planned::Seed(prepared)) => prepared,
+        Some(Planned::Numbered(_)) | None => motion_body::prepare(robot, body)?,
+    };
+    motion_zones::check(app, robot, &Asked::of(&prepared))?;
+    Ok(prepared)
 }
 
 /// What a controller of tier 2 is to be sent: the plan's, or the body's.
-fn asked(robot: &Robot, link: &CellServerLink, body: &MotionBody) -> Result<Asked, Problem> {
+fn asked(
+    app: &App,
+    robot: &Robot,
+    link: &CellServerLink,
+    body: &MotionBody,
+) -> Result<Asked, Problem> {
     let plan = plan_of(robot, body)?;
     check_expected(robot, body, plan.as_ref())?;
     no_doubt(robot)?;
-    match plan.map(|plan| plan.planned) {
-        Some(Planned::Numbered(asked)) => Ok(asked),
-        Some(Planned::Seed(_)) | None => resolve(robot, link, body, motion_body::refused),
-    }
+    let asked = match plan.map(|plan| plan.planned) {
+        Some(Planned::Numbered(asked)) => asked,
+        Some(Planned::Seed(_)) | None => resolve(robot, link, body, motion_body::refused)?,
+    };
+    // A plan was checked when it was made; who is at a hand-over point has changed since.
+    motion_zones::check(app, robot, &asked)?;
+    Ok(asked)
 }
 
 /// Lists a robot's motions, newest first.

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use api::{JointsBody, MotionBody, MotionPreview, ProblemCode};
 use axum::Json;
+use axum::extract::State;
 use jiff::SignedDuration;
 use kinematics::{PendantJoints, Pose};
 use tokio::time::Instant;
@@ -12,7 +13,7 @@ use uuid::Uuid;
 use super::kinematics::{branch_body, order};
 use super::params::{RobotOf, RobotPath};
 use super::responses::{AnyProblem, BodyProblem, CrossSite, InvalidJson, NotFound};
-use super::{motion_body, preview_profile};
+use super::{motion_body, motion_zones, preview_profile};
 use crate::extract::JsonBody;
 use crate::link::Base;
 use crate::motions::{
@@ -20,7 +21,7 @@ use crate::motions::{
     point_of_thousandths, resolve,
 };
 use crate::problem::Problem;
-use crate::state::{Robot, RobotLink};
+use crate::state::{App, Robot, RobotLink};
 use crate::target::margins;
 use crate::wire_bodies::{joints_body, pose_body, shown, singularity_body};
 
@@ -44,6 +45,7 @@ const START_TOLERANCE_DEG: f64 = 0.5;
     ),
 )]
 pub(super) async fn preview_motion(
+    State(app): State<Arc<App>>,
     RobotOf(robot): RobotOf,
     JsonBody(body): JsonBody<MotionBody>,
 ) -> Result<Json<MotionPreview>, Problem> {
@@ -69,6 +71,10 @@ pub(super) async fn preview_motion(
             )
         }
     };
+    let planned = planned.and_then(|planned| {
+        motion_zones::check(&app, &robot, &planned.asked())?;
+        Ok(planned)
+    });
     Ok(Json(match planned {
         Ok(planned) => feasible(&robot, planned, start, revision),
         Err(problem) => refused(&problem, start, revision),

@@ -26,6 +26,7 @@ impl Setup {
                 .map(|robot| MobileRobotSetup {
                     id: robot.id.clone(),
                     slots: robot.slots.iter().map(|slot| slot.id.clone()).collect(),
+                    max_speed_mm_s: robot.max_speed_mm_s,
                 })
                 .collect(),
             points: self

@@ -29,6 +29,7 @@ mod teach;
 #[cfg(test)]
 mod tests;
 mod text;
+pub(crate) mod trespass;
 
 pub(crate) use book::{BasedOn, ChangeError, Edit, Kept, SetupBook};
 pub(crate) use calibrate::{Calibration, CalibrationError, MAX_RESIDUAL_MM, four_point};

@@ -140,6 +140,7 @@ pub(crate) struct MobileRobot {
     pub(crate) length: Millimeters,
     pub(crate) width: Millimeters,
     pub(crate) height: Millimeters,
+    pub(crate) max_speed_mm_s: Option<u32>,
     pub(crate) slots: Vec<Slot>,
 }
 

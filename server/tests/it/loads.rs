@@ -17,7 +17,7 @@ fn at(place: &str, confirm: &str) -> Value {
     json!({"location": {"at": "FIXED", "place": place}, "confirm": confirm, "reason": "it stands there"})
 }
 
-/// Covers: W7. What a person says is kept with who and why, and survives.
+/// What a person says is kept with who and why, and survives.
 #[tokio::test]
 async fn a_person_says_where_a_load_is() {
     let disk = MemoryDisk::new();
@@ -47,7 +47,7 @@ async fn a_person_says_where_a_load_is() {
     assert_eq!(history[1]["to"]["slot"], "left");
 }
 
-/// Covers: W7. Two fields that agree, a place that exists and is free, a reason.
+/// Two fields that agree, a place that exists and is free, a reason.
 #[tokio::test]
 async fn a_booking_that_cannot_be_is_refused() {
     let cell = WorkCell::start().await;

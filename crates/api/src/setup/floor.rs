@@ -121,6 +121,11 @@ pub struct MobileRobotSetup {
     pub home: Option<String>,
     /// Its size.
     pub footprint: FootprintBody,
+    /// The fastest it can drive, in mm/s. Where the pose it tells goes farther between two signals it does not know
+    /// where it is, and docks anew before an arm comes near. Not looked at where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(minimum = 1, maximum = 1_000_000)]
+    pub max_speed_mm_s: Option<u32>,
     /// Its slots for loads, at least one.
     pub slots: Vec<SlotBody>,
 }

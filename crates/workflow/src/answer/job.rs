@@ -9,6 +9,7 @@ use crate::job::phase::Phase;
 use crate::job::undo::Choice;
 use crate::job::{Job, JobState, Why};
 use crate::signal::Message;
+use crate::words;
 use crate::work::Work;
 
 impl Work<'_> {
@@ -22,7 +23,7 @@ impl Work<'_> {
     ) -> Result<(), Refusal> {
         let answer = decided.answer;
         let no = |text: String| Refusal::Conflict {
-            command: format!("answer {answer:?}"),
+            command: format!("answer {}", words::small(answer)),
             text,
         };
         match (answer, &decided.detail) {
@@ -76,7 +77,7 @@ impl Work<'_> {
             ) => {
                 return Err(Refusal::Invalid {
                     item: "detail".into(),
-                    problem: format!("{answer:?} needs to know which"),
+                    problem: format!("{} needs to know which", words::small(answer)),
                 });
             }
             _ => {}

@@ -3,6 +3,7 @@
 use crate::fact::Fact;
 use crate::input::{Principal, Refusal, Reply};
 use crate::intervention::{Decided, Detail, Question};
+use crate::words;
 use crate::work::Work;
 
 impl Work<'_> {
@@ -23,12 +24,12 @@ impl Work<'_> {
         else {
             return Err(Refusal::Invalid {
                 item: "detail".into(),
-                problem: format!("{:?} needs to know where", decided.answer),
+                problem: format!("{} needs to know where", words::small(decided.answer)),
             });
         };
         if load != asked {
             return Err(Refusal::Conflict {
-                command: format!("answer {:?}", decided.answer),
+                command: format!("answer {}", words::small(decided.answer)),
                 text: format!("the question is about load {asked}"),
             });
         }

@@ -11,6 +11,7 @@ use uuid::Uuid;
 use crate::commands_in::allowed;
 use crate::input::{Principal, Refusal, Reply};
 use crate::intervention::{Answer, Decided, Detail};
+use crate::words;
 use crate::work::Work;
 
 impl Work<'_> {
@@ -22,7 +23,7 @@ impl Work<'_> {
         principal: &Principal,
         reason: &str,
     ) -> Result<Reply, Refusal> {
-        let name = format!("answer {answer:?}");
+        let name = format!("answer {}", words::small(answer));
         allowed(&name, principal, reason)?;
         let Some(found) = self.cell.book.interventions.get(&id).cloned() else {
             return Err(Refusal::Unknown {
@@ -47,10 +48,9 @@ impl Work<'_> {
             return Err(conflict("the question was decided or withdrawn".into()));
         }
         if !found.question.answers.contains(&answer) {
-            return Err(conflict(format!(
-                "allowed are {:?}",
-                found.question.answers
-            )));
+            let allowed = found.question.answers.iter().map(words::small);
+            let allowed = allowed.collect::<Vec<_>>().join(", ");
+            return Err(conflict(format!("allowed are {allowed}")));
         }
         if principal.role < answer.needs() {
             return Err(Refusal::Forbidden {

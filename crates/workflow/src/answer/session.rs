@@ -5,6 +5,7 @@ use crate::input::{Refusal, Reply};
 use crate::intervention::{Answer, Decided, Question};
 use crate::session::SessionState;
 use crate::signal::Message;
+use crate::words;
 use crate::work::Work;
 
 impl Work<'_> {
@@ -16,7 +17,7 @@ impl Work<'_> {
         let answer = decided.answer;
         let Some(session) = question.session.and_then(|s| self.session(s)) else {
             return Err(Refusal::Conflict {
-                command: format!("answer {answer:?}"),
+                command: format!("answer {}", words::small(answer)),
                 text: "its session is not known any more".into(),
             });
         };

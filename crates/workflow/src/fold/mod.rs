@@ -2,6 +2,7 @@
 
 mod changes;
 mod jobs;
+mod jump;
 mod loads;
 mod operations;
 mod seen;
@@ -175,6 +176,7 @@ impl Cell {
                 mobile_robot,
             } => {
                 self.book.sessions_created += 1;
+                self.forget_jump(mobile_robot);
                 let number = self.book.sessions_created;
                 let new = Session::reserved(*session, number, *job, point, mobile_robot);
                 drop(self.book.sessions.insert(*session, Arc::new(new)));
@@ -197,7 +199,7 @@ impl Cell {
             Fact::SessionResent { session } => {
                 self.session_mut(session, |s| s.resends = s.resends.saturating_add(1));
             }
-            Fact::SessionRewound { session, to } => self.session_mut(session, |s| s.rewind(*to)),
+            Fact::SessionRewound { session, to } => self.fold_rewound(session, *to),
             Fact::SessionBacksOut { session } => {
                 self.session_mut(session, |s| s.backs_out = true);
             }
@@ -219,7 +221,7 @@ impl Cell {
             Fact::OutboxTaken { mobile_robot, n } => {
                 self.mobile_mut(mobile_robot, |m| m.outbox.retain(|o| o.n > *n));
             }
-            Fact::Signaled { signal, answer } => self.fold_signal(fresh, signal, answer),
+            Fact::Signaled { signal, answer } => self.fold_signal(now, signal, answer),
             Fact::SignalsLost {
                 mobile_robot,
                 boot,
@@ -227,7 +229,7 @@ impl Cell {
                 to,
             } => self.fold_signals_lost(mobile_robot, *boot, *from, *to),
             Fact::Beat { signal } => {
-                self.see(fresh, signal);
+                self.see(now, signal);
             }
             Fact::TransportBegun {
                 mobile_robot,

@@ -19,6 +19,14 @@ impl Cell {
         }
     }
 
+    pub(super) fn fold_rewound(&mut self, session: &Uuid, to: Rewind) {
+        self.session_mut(session, |s| s.rewind(to));
+        let robot = self.book.sessions.get(session);
+        if let Some(robot) = robot.map(|s| s.mobile_robot.clone()) {
+            self.forget_jump(&robot);
+        }
+    }
+
     pub(super) fn fold_session_moved(
         &mut self,
         session: &Uuid,

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::book::REMEMBERED;
 use crate::cell::Cell;
+use crate::ids::Millis;
 use crate::session::Session;
 use crate::signal::{Message, OutMessage, Signal, SignalAnswer, SignalKind};
 
@@ -27,7 +28,12 @@ impl Cell {
         });
     }
 
-    pub(super) fn fold_signal(&mut self, fresh: bool, signal: &Signal, answer: &SignalAnswer) {
+    pub(super) fn fold_signal(
+        &mut self,
+        now: Option<Millis>,
+        signal: &Signal,
+        answer: &SignalAnswer,
+    ) {
         if matches!(answer, SignalAnswer::Late { .. }) {
             // What it tells was overtaken long ago: it is remembered, and that is all.
             self.mobile_mut(&signal.mobile_robot, |m| {
@@ -60,7 +66,7 @@ impl Cell {
             }
             return;
         }
-        self.see(fresh, signal);
+        self.see(now, signal);
         if !matches!(answer, SignalAnswer::Accepted { .. }) {
             return;
         }
@@ -77,17 +83,18 @@ impl Cell {
         });
     }
 
-    pub(super) fn see(&mut self, fresh: bool, signal: &Signal) {
-        if !fresh {
-            return;
-        }
+    pub(super) fn see(&mut self, now: Option<Millis>, signal: &Signal) {
+        let Some(now) = now else { return };
+        let jump = self.jump_of(now, signal);
         let live = Arc::make_mut(
             self.live
                 .mobiles
                 .entry(signal.mobile_robot.clone())
                 .or_default(),
         );
+        live.jump = jump.or(live.jump.filter(|_| signal.kind != SignalKind::MrClear));
         live.state = Some(signal.state.clone());
+        (live.seen_at, live.told_at) = (Some(now), signal.at_ms);
         (live.boot, live.seq) = (signal.boot, signal.seq);
         live.beats += 1;
         live.count += 1;

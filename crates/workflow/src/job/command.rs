@@ -11,6 +11,7 @@ use crate::input::{Command, Principal, Refusal, Reply};
 use crate::job::phase::Phase;
 use crate::job::{Compensation, Job, JobState, StepState, Why};
 use crate::react::Reaction;
+use crate::words;
 use crate::work::Work;
 
 impl Work<'_> {
@@ -39,7 +40,7 @@ impl Work<'_> {
         let no = |text: &str| {
             Err(Refusal::Conflict {
                 command: word(command).to_owned(),
-                text: format!("the job is {state:?}: {text}"),
+                text: format!("the job is {}: {text}", words::capitals(state)),
             })
         };
         match command {
@@ -216,7 +217,10 @@ impl Work<'_> {
             })
         };
         if !matches!(job.state, JobState::Held | JobState::Suspended) {
-            return no(format!("the job is {:?}; hold it first", job.state));
+            return no(format!(
+                "the job is {}; hold it first",
+                words::capitals(job.state)
+            ));
         }
         if self.cell.ops_of(job.id).next().is_some() {
             return no("an operation is not decided".into());
@@ -235,7 +239,7 @@ impl Work<'_> {
         }
         if command == Command::SkipStep {
             if !phase.may_skip() {
-                return no(format!("{phase:?} is a deed, not a check"));
+                return no(format!("{} is a deed, not a check", words::capitals(phase)));
             }
             if phase == Phase::VerifyLoad && job.items.iter().any(|i| i.load.is_none()) {
                 return no("the loads have no names yet; accept them instead".into());
@@ -286,11 +290,15 @@ impl Work<'_> {
         } else if matches!(phase, Phase::VerifyEmpty | Phase::VerifyOnMr) {
             true
         } else {
-            return no(format!("{phase:?} is proven by what is seen, not by words"));
+            return no(format!(
+                "{} is proven by what is seen, not by words",
+                words::capitals(phase)
+            ));
         };
         if !agrees {
             return no(format!(
-                "{phase:?}: say first where the load is (set-custody)"
+                "{}: say first where the load is (set-custody)",
+                words::capitals(phase)
             ));
         }
         self.step_to(job, step, StepState::Succeeded, "completed by a human");

@@ -8,6 +8,7 @@ use crate::job::{Job, JobState};
 use crate::react::Reaction;
 use crate::session::{Session, SessionState};
 use crate::signal::Message;
+use crate::words;
 use crate::work::{Ask, Work};
 
 impl Work<'_> {
@@ -42,7 +43,7 @@ impl Work<'_> {
             answers.push(Answer::AcceptMeasured);
         }
         let mut known = self.known_of(&job);
-        known.extend(measured.map(|p| format!("it docked at {p:?}")));
+        known.extend(measured.map(|at| format!("it docked at {}", words::pose(&at))));
         let ask = Ask {
             question: format!(
                 "{} cannot dock at {}: {text}",

@@ -4,6 +4,7 @@ use crate::faults::Fault;
 use crate::job::phase::Phase;
 use crate::job::{Job, JobState, StepState, Why};
 use crate::session::{Session, SessionState};
+use crate::words;
 use crate::work::Work;
 
 impl Work<'_> {
@@ -50,8 +51,9 @@ impl Work<'_> {
             };
             if !seen.mode.is_automatic() {
                 return Err(format!(
-                    "{} is in mode {:?}",
-                    session.mobile_robot, seen.mode
+                    "{} is in mode {}",
+                    session.mobile_robot,
+                    words::capitals(seen.mode)
                 ));
             }
             return self.still_serves(session);

@@ -11,6 +11,7 @@ use crate::job::{Item, Job, JobState, StepState};
 use crate::react::Reaction;
 use crate::setup::PlaceRef;
 use crate::signal::SlotLoad;
+use crate::words;
 use crate::work::{Ask, Work};
 
 impl Work<'_> {
@@ -200,7 +201,7 @@ impl Work<'_> {
         let mut known = self.known_of(job);
         known.push(match self.report(job) {
             Some(report) if report.is_empty() => "it reports no loads".into(),
-            Some(report) => format!("it reports {report:?}"),
+            Some(report) => format!("it reports {}", words::loads(&report)),
             None => "it does not report its loads".into(),
         });
         let ask = Ask {

@@ -24,6 +24,7 @@ fn signal(w: &World, seq: u64, kind: SignalKind) -> Signal {
         boot: 1,
         seq,
         kind,
+        at_ms: None,
         resync: false,
         state: w.mobiles["m1"].state.clone(),
     }
@@ -347,6 +348,32 @@ fn f03_docking_is_tried_again_by_answer() {
     assert_eq!(w.asked.len(), 1);
 }
 
+/// F3: it takes every RETRY and does nothing about any. The same question comes again, and every way out of it but this
+/// one is open: the job stops, and the point is free for others once it has left.
+#[test]
+fn f03_a_mobile_robot_that_ignores_retry_is_asked_about_again_and_can_be_given_up() {
+    let mut w = World::new();
+    let job = until_dock_question(&mut w);
+    m1(&mut w).obeys_retry = false;
+    for asked in 2..4 {
+        let _reply = w.answer(Answer::Retry, Detail::None).unwrap();
+        let again = |w: &World| w.asked.len() == asked && w.open_question().is_some();
+        assert!(w.run(200_000, again), "{}", w.story());
+        let question = w.open_question().unwrap().question;
+        assert_eq!(question.fault, Fault::DockFailed);
+        for way in [Answer::Retry, Answer::Redispatch, Answer::Cancel] {
+            assert!(question.answers.contains(&way), "{question:?}");
+        }
+    }
+    let _reply = w.answer(Answer::Cancel, Detail::None).unwrap();
+    assert!(w.run(120_000, |w| w.state(job) == JobState::Stopped));
+    assert!(
+        w.run(60_000, |w| w.cell.claims().is_empty()),
+        "{}",
+        w.story()
+    );
+}
+
 /// F3, canceled: it may not stay in the zone, so it gets the permit to drive out.
 #[test]
 fn f03_a_mobile_robot_that_gave_up_in_the_zone_may_leave_it() {
@@ -588,4 +615,63 @@ fn instant_ends(w: &World) -> bool {
         .sessions(0)
         .iter()
         .all(|s| s.state == SessionState::ExitGranted)
+}
+
+/// A world whose mobile robots drive no faster than this, as the set-up has it.
+fn no_faster(max_speed_mm_s: u32) -> World {
+    let mut setup = super::world::setup();
+    for robot in &mut setup.mobile_robots {
+        robot.max_speed_mm_s = Some(max_speed_mm_s);
+    }
+    World::with(setup, 1, super::world::Odds::default())
+}
+
+/// Why docking failed, and how many facts came before each.
+fn failed_docks(w: &World) -> Vec<(usize, String)> {
+    let facts = w.journal.iter().enumerate();
+    let failed = facts.filter_map(|(at, fact)| match fact {
+        Fact::FaultNoted {
+            fault: Fault::DockFailed,
+            text,
+            ..
+        } => Some((at, text.clone())),
+        _ => None,
+    });
+    failed.collect()
+}
+
+/// The pose that a mobile robot tells goes farther than it can drive: it does not know where it is, whatever it says of
+/// that. It is told to dock anew, and the arm comes near only after it did without another jump.
+///
+/// Covers: M5.
+#[test]
+fn m5_a_pose_that_jumped_lets_no_arm_in_until_it_docked_anew() {
+    let mut w = no_faster(200);
+    let job = w.create(delivery());
+    w.complete(job);
+    let failed = failed_docks(&w);
+    let [(at, text)] = &failed[..] else {
+        panic!("{failed:?}");
+    };
+    assert!(
+        text.contains("200 mm/s") && text.contains("does not know where it is"),
+        "{text}"
+    );
+    let docked = w.journal.iter().position(|fact| {
+        matches!(
+            fact,
+            Fact::SessionMoved {
+                to: SessionState::Docked,
+                ..
+            }
+        )
+    });
+    assert!(docked.is_some_and(|docked| docked > *at), "{failed:?}");
+    let retries = m1(&mut w).got.iter();
+    assert_eq!(retries.filter(|m| **m == Message::Retry).count(), 1);
+
+    let mut w = no_faster(100_000);
+    let job = w.create(delivery());
+    w.complete(job);
+    assert_eq!(failed_docks(&w), []);
 }

@@ -63,6 +63,7 @@ fn input(cell: &Cell, now: u64, kind: u8, n: u64, seq: &mut u64) -> Input {
                 boot: 1 + n / 1000,
                 seq: *seq,
                 kind: KINDS[pick(KINDS.len())],
+                at_ms: None,
                 resync: false,
                 state: MobileState {
                     pose: BasePose {

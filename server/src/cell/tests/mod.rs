@@ -191,6 +191,7 @@ impl World {
             boot: 1,
             seq: self.seq,
             kind,
+            at_ms: None,
             resync: false,
             state: self.state.clone(),
         }

@@ -42,6 +42,7 @@ pub(super) fn check(body: SignalBody, mobile_robot: &str) -> Result<Signal, Prob
         boot: body.boot,
         seq: body.seq,
         kind: kind(body.signal),
+        at_ms: Some(body.at.as_millisecond()),
         resync: body.resync,
         state: state(body.data),
     })

@@ -19,6 +19,8 @@ use crate::state::shown;
 const TOLERANCE_MM: (f64, f64) = (0.1, 500.0);
 const TOLERANCE_DEG: (f64, f64) = (0.1, 45.0);
 const FOOTPRINT_MM: (f64, f64) = (1.0, 10_000.0);
+/// Tests run mobile robots many times faster than real ones.
+const SPEED_MM_S: (f64, f64) = (1.0, 1_000_000.0);
 
 pub(super) fn points(faults: &mut Faults, refs: &Refs<'_>, zones: &[Zone]) -> Vec<LoadPoint> {
     let stations = &refs.file.stations;
@@ -268,6 +270,10 @@ pub(super) fn mobile_robots(faults: &mut Faults, refs: &Refs<'_>) -> Vec<MobileR
         let length = faults.number(format!("{at}.length_mm"), size.length_mm, FOOTPRINT_MM);
         let width = faults.number(format!("{at}.width_mm"), size.width_mm, FOOTPRINT_MM);
         let height = faults.number(format!("{at}.height_mm"), size.height_mm, FOOTPRINT_MM);
+        if let Some(speed) = body.max_speed_mm_s {
+            let item = format!("{item}.max_speed_mm_s");
+            let _speed = faults.number(item, f64::from(speed), SPEED_MM_S);
+        }
         let slots = slots(faults, &format!("{item}.slots"), &body.slots);
         if let (Some(length), Some(width), Some(height)) = (length, width, height) {
             checked.push(MobileRobot {
@@ -276,6 +282,7 @@ pub(super) fn mobile_robots(faults: &mut Faults, refs: &Refs<'_>) -> Vec<MobileR
                 length: Millimeters(length),
                 width: Millimeters(width),
                 height: Millimeters(height),
+                max_speed_mm_s: body.max_speed_mm_s,
                 slots,
             });
         }

@@ -117,6 +117,38 @@ box.max = { x_mm = -420, y_mm = 900, z_mm = 1500 }
 }
 
 #[test]
+fn h4_who_stands_in_a_zone_may_go_out_of_it_and_no_deeper() {
+    // The safe pose has the tip at x 0, y 985, z 1315 of the cell: 50 mm inside.
+    let shelf = r#"
+[[zones]]
+id = "shelf"
+kind = "KEEP_OUT"
+robots = ["r1"]
+box.min = { x_mm = -300, y_mm = 700, z_mm = 1000 }
+box.max = { x_mm = 300, y_mm = 1300, z_mm = 1365 }
+"#;
+    let setup = setup(&format!("{DEMO}{shelf}"));
+    let arm = setup.arm("r1").unwrap();
+    let inside = arm.safe;
+    let out = PendantJoints::from_degrees([30.0, 0.0, 0.0, 0.0, -90.0, 0.0]);
+    let deeper = PendantJoints::from_degrees([90.0, 10.0, -10.0, 0.0, -90.0, 0.0]);
+    let zones = |start: Option<&PendantJoints>, to: &PendantJoints| {
+        let way = joint_path(start.unwrap_or(to), to);
+        let found = setup.trespasses(arm, start, &way);
+        found
+            .into_iter()
+            .map(|found| found.zone)
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(zones(Some(&inside), &out), Vec::<String>::new());
+    assert_eq!(zones(Some(&inside), &inside), Vec::<String>::new());
+    assert_eq!(zones(Some(&inside), &deeper), ["shelf"]);
+    assert_eq!(zones(Some(&out), &inside), ["shelf"]);
+    assert_eq!(zones(None, &inside), ["shelf"], "an end alone is looked at");
+    assert_eq!(zones(None, &out), Vec::<String>::new());
+}
+
+#[test]
 fn an_elbow_counts_as_much_as_the_tool() {
     // Above the shoulder, where only the upper arm and the elbow are.
     let beam = r#"

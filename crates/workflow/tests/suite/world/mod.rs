@@ -118,6 +118,7 @@ pub struct MobileTruth {
     pub rejects: bool,
     pub arrives: bool,
     pub docks: bool,
+    pub obeys_retry: bool,
     pub dock_error_mm: f64,
     pub dock_errors: u32,
     pub says_ready: bool,
@@ -224,6 +225,7 @@ pub fn setup() -> Setup {
             .map(|id| MobileRobotSetup {
                 id: (*id).into(),
                 slots: vec!["s1".into(), "s2".into(), "s3".into()],
+                max_speed_mm_s: None,
             })
             .collect(),
         points: vec![Point {
@@ -359,6 +361,7 @@ impl World {
             rejects: false,
             arrives: true,
             docks: true,
+            obeys_retry: true,
             dock_error_mm: 0.0,
             dock_errors: 0,
             says_ready: true,
@@ -845,6 +848,7 @@ impl World {
                     }
                 }
             }
+            Message::Retry if !m.obeys_retry => {}
             Message::Retry => m.plan.push_back((now + 500, Do::Dock)),
             Message::StartPause => (m.paused, m.state.driving) = (true, false),
             Message::StopPause => m.paused = false,
@@ -901,6 +905,7 @@ impl World {
             boot: m.boot,
             seq: m.seq,
             kind,
+            at_ms: None,
             resync: false,
             state: m.state.clone(),
         });
