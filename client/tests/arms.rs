@@ -14,10 +14,11 @@ struct Ran {
     wrong: String,
 }
 
-/// Runs the real `cellctl` in `folder`; with a server if there is one.
-fn cellctl(folder: &Path, server: Option<&str>, arguments: &[&str]) -> Result<Ran> {
+/// Runs the real `cellctl` in `folder` with the words of a line; with a server if there is one.
+fn cellctl(folder: &Path, server: Option<&str>, line: &str) -> Result<Ran> {
     let mut command = Command::new(env!("CARGO_BIN_EXE_cellctl"));
-    let _ = command.env_clear().current_dir(folder).args(arguments);
+    let words = line.split(' ');
+    let _ = command.env_clear().current_dir(folder).args(words);
     if let Some(server) = server {
         let _ = command.args(["--server", server]);
     }
@@ -51,7 +52,7 @@ const COMMANDS: &[(&str, i32)] = &[
         0,
     ),
     (
-        "arm rates seven-joint 0 30 0 60 0 45 0 --linear 0,50,0 --null 10,0,0,0,0,0,0",
+        "arm rates seven-joint 0 30 0 60 0 45 0 --linear 0,50,0 --null 10,0,0,0,0,0,0 --plot P.svg",
         0,
     ),
     (
@@ -67,7 +68,7 @@ const COMMANDS: &[(&str, i32)] = &[
         1,
     ),
     (
-        "arm calibrate fanuc-m20ia --tip 5.947,-3.744,-10.630,0,-79.370,-5.947 --tip 5.280,5.018,-11.157,-2.294,-103.739,-5.333 --tip 9.238,-7.147,-11.451,18.346,-69.022,25.580",
+        "arm calibrate fanuc-m20ia --tip 5.947,-3.744,-10.630,0,-79.370,-5.947 --tip 5.280,5.018,-11.157,-2.294,-103.739,-5.333 --tip 9.238,-7.147,-11.451,18.346,-69.022,25.580 --plot P.svg",
         0,
     ),
     (
@@ -115,8 +116,7 @@ async fn a_server_answers_as_the_program_itself_does() -> Result<()> {
     let ran = tokio::task::spawn_blocking(move || -> Result<()> {
         for (line, code) in COMMANDS {
             let (here, there) = (tempfile::tempdir()?, tempfile::tempdir()?);
-            let words: Vec<&str> = line.split(' ').collect();
-            let own = cellctl(here.path(), None, &words)?;
+            let own = cellctl(here.path(), None, line)?;
             assert_eq!(
                 (own.code, &*own.wrong),
                 (Some(*code), ""),
@@ -124,7 +124,7 @@ async fn a_server_answers_as_the_program_itself_does() -> Result<()> {
                 own.said
             );
             assert!(own.said.len() > 20, "{line}: {}", own.said);
-            let asked = cellctl(there.path(), Some(&server), &words)?;
+            let asked = cellctl(there.path(), Some(&server), line)?;
             assert_eq!(own, asked, "{line}");
             if line.contains("P.svg") {
                 assert!(own.said.ends_with("Wrote P.svg\n"), "{line}: {}", own.said);
@@ -144,9 +144,8 @@ async fn a_server_answers_as_the_program_itself_does() -> Result<()> {
             ("arm fk no-such-arm 0 0 0", "no-such-arm"),
             ("arm ik fanuc-m20ia 5000 0 940 180 0 0", "3298.630 mm"),
         ] {
-            let words: Vec<&str> = line.split(' ').collect();
             for server in [None, Some(&*server)] {
-                let ran = cellctl(folder.path(), server, &words)?;
+                let ran = cellctl(folder.path(), server, line)?;
                 assert_eq!(ran.code, Some(1), "{line}: {ran:?}");
                 assert!(ran.wrong.contains(item), "{line}: {ran:?}");
             }
@@ -316,8 +315,7 @@ fn bad_questions_name_item_value_and_limit() -> Result<()> {
         std::fs::write(folder.path().join(name), text)?;
     }
     for &(line, code, complaint) in BAD {
-        let words: Vec<&str> = line.split(' ').collect();
-        let ran = cellctl(folder.path(), None, &words)?;
+        let ran = cellctl(folder.path(), None, line)?;
         assert_eq!(ran.code, Some(code), "{line}: {ran:?}");
         assert!(ran.wrong.contains(complaint), "{line}: {}", ran.wrong);
         assert_eq!(ran.said, "", "{line}");
@@ -328,25 +326,8 @@ fn bad_questions_name_item_value_and_limit() -> Result<()> {
 #[test]
 fn a_refusal_for_machines_names_the_item() -> Result<()> {
     let folder = tempfile::tempdir()?;
-    let ran = cellctl(
-        folder.path(),
-        None,
-        &[
-            "--json",
-            "arm",
-            "move-velocity",
-            "five-link",
-            "0",
-            "45",
-            "-60",
-            "0",
-            "30",
-            "--along",
-            "20",
-            "--time",
-            "1e9",
-        ],
-    )?;
+    let line = "--json arm move-velocity five-link 0 45 -60 0 30 --along 20 --time 1e9";
+    let ran = cellctl(folder.path(), None, line)?;
     assert_eq!((ran.code, &*ran.wrong), (Some(1), ""));
     let document: serde_json::Value = serde_json::from_str(&ran.said)?;
     assert_eq!(document["violations"][0]["item"], "time_s");
@@ -363,14 +344,9 @@ fn a_question_in_a_file_is_the_same_as_one_in_options() -> Result<()> {
         folder.path().join("pose.toml"),
         "joints_deg_mm = [30, 20, -20, 0, -70, 0]\n[frames.tool]\nx_mm = 0\ny_mm = 0\nz_mm = 150\nw_deg = 0\np_deg = 0\nr_deg = 0\n",
     )?;
-    let of_file = cellctl(
-        folder.path(),
-        None,
-        &["arm", "fk", "fanuc-m20ia", "--file", "pose.toml"],
-    )?;
-    let words = "arm fk fanuc-m20ia 30 20 -20 0 -70 0 --tool 0,0,150,0,0,0";
-    let words: Vec<&str> = words.split(' ').collect();
-    assert_eq!(of_file, cellctl(folder.path(), None, &words)?);
+    let of_file = cellctl(folder.path(), None, "arm fk fanuc-m20ia --file pose.toml")?;
+    let of_options = "arm fk fanuc-m20ia 30 20 -20 0 -70 0 --tool 0,0,150,0,0,0";
+    assert_eq!(of_file, cellctl(folder.path(), None, of_options)?);
     assert_eq!(of_file.code, Some(0), "{of_file:?}");
     Ok(())
 }
@@ -378,9 +354,8 @@ fn a_question_in_a_file_is_the_same_as_one_in_options() -> Result<()> {
 #[test]
 fn a_png_is_a_picture() -> Result<()> {
     let folder = tempfile::tempdir()?;
-    let words = "arm fk five-link 0 45 -60 0 30 --plot arm.png";
-    let words: Vec<&str> = words.split(' ').collect();
-    let ran = cellctl(folder.path(), None, &words)?;
+    let line = "arm fk five-link 0 45 -60 0 30 --plot arm.png";
+    let ran = cellctl(folder.path(), None, line)?;
     assert_eq!(ran.code, Some(0), "{ran:?}");
     let bytes = std::fs::read(folder.path().join("arm.png"))?;
     assert!(

@@ -172,17 +172,10 @@ fn gridded(grid: &ReachGrid, method: ArmSolver) -> Result<Gridded, Refusal> {
 
 fn place(grid: &ReachGrid, u: f64, v: f64) -> PoseBody {
     let across = grid.across_mm;
-    let (x_mm, y_mm, z_mm) = match grid.plane {
+    let (x, y, z) = match grid.plane {
         ReachPlane::Xy => (u, v, across),
         ReachPlane::Xz => (u, across, v),
         ReachPlane::Yz => (across, u, v),
     };
-    PoseBody {
-        x_mm,
-        y_mm,
-        z_mm,
-        w_deg: grid.w_deg,
-        p_deg: grid.p_deg,
-        r_deg: grid.r_deg,
-    }
+    [x, y, z, grid.w_deg, grid.p_deg, grid.r_deg].into()
 }

@@ -13,6 +13,12 @@ fn assert_close(value: &Value, expected: f64) {
     assert!((value - expected).abs() < 1e-6, "{value} is not {expected}");
 }
 
+/// What was in the way.
+fn obstacle_names(answer: &Value) -> Vec<&Value> {
+    let obstacles = answer["obstacles"].as_array().unwrap();
+    obstacles.iter().map(|obstacle| &obstacle["name"]).collect()
+}
+
 #[tokio::test]
 async fn arm_models_are_listed_and_described() {
     let robot = FakeRobot::accepting().await;
@@ -177,12 +183,7 @@ async fn a_mobile_robots_path_goes_around_what_its_cell_has() {
     assert_eq!(points.last(), Some(&json!([1100.0, 0.0])));
     // Its own work zone is the floor; the hand-over zone it drives into is not in its way, the pedestal is.
     assert_eq!(answer["floor"]["min_mm"], json!([500.0, -3000.0]));
-    let names: Vec<&Value> = answer["obstacles"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|o| &o["name"])
-        .collect();
+    let names = obstacle_names(&answer);
     assert_eq!(names, ["rack-frame", "cabinet", "pedestal"]);
 
     // Past the arm, the zone is in the way.
@@ -191,12 +192,7 @@ async fn a_mobile_robots_path_goes_around_what_its_cell_has() {
         "floor": {"min_mm": [500, -3000], "max_mm": [5000, 2000]}
     });
     let answer = server.post(path, &past.to_string()).await.json();
-    let names: Vec<&Value> = answer["obstacles"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|o| &o["name"])
-        .collect();
+    let names = obstacle_names(&answer);
     assert!(names.contains(&&json!("front")), "{answer}");
     assert!(answer["clearance_mm"].as_f64().unwrap() > -1e-3);
 

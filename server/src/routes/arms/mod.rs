@@ -4,6 +4,7 @@ mod paths;
 mod planning;
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use api::arms::{
     ArmCalibrationBody, ArmCalibrationResult, ArmDescription, ArmForwardBody, ArmForwardResult,
@@ -96,6 +97,15 @@ fn answered<T>(answer: Result<T, Refusal>) -> Result<Json<T>, Problem> {
     answer.map(Json).map_err(refused)
 }
 
+/// Answers a question that takes long, in the place for it.
+async fn computed<T: Send + 'static>(
+    app: &App,
+    question: impl FnOnce() -> Result<T, Refusal> + Send + 'static,
+) -> Result<Json<T>, Problem> {
+    let work = move |_: &AtomicBool| question().map_err(refused);
+    compute(app, work).await.map(Json)
+}
+
 /// Lists the arm models that are known.
 #[utoipa::path(
     get, path = "/api/v1/arms", tag = "arms",
@@ -154,10 +164,7 @@ async fn arm_inverse(
     ListJson(body): ListJson<ArmInverseBody>,
 ) -> Result<Json<ArmInverseResult>, Problem> {
     if robotics::is_search(&model, &body).map_err(refused)? {
-        let searched = compute(&app, move |_| {
-            robotics::inverse(&model, &body).map_err(refused)
-        });
-        return searched.await.map(Json);
+        return computed(&app, move || robotics::inverse(&model, &body)).await;
     }
     answered(robotics::inverse(&model, &body))
 }

@@ -7,8 +7,8 @@ use clap::{Args, ValueEnum};
 use plots::answers::{self, TrajectoryLook};
 
 use super::desk::Desk;
-use super::input::{FileArgs, FrameArgs, Numbers, Row, needed, read};
-use super::show::{PlotArgs, exit_if, finish};
+use super::input::{AskArgs, Numbers, Row, needed};
+use super::show::{exit_if, finish};
 use super::trajectory::{View, draw, peaks, tool};
 use crate::context::Context;
 use crate::failure::Failure;
@@ -52,11 +52,7 @@ pub(super) struct ToolPathArgs {
     #[arg(long, value_name = "S", value_parser = finite, allow_hyphen_values = true)]
     period: Option<f64>,
     #[command(flatten)]
-    frames: FrameArgs,
-    #[command(flatten)]
-    file: FileArgs,
-    #[command(flatten)]
-    plot: PlotArgs,
+    ask: AskArgs,
     /// What to draw; the way in space where the arm cannot follow.
     #[arg(long, value_enum, default_value = "joints", requires = "plot")]
     view: View,
@@ -75,12 +71,12 @@ enum KindArg {
 }
 
 pub(super) async fn run(args: ToolPathArgs, context: &Context) -> Result<Report, Failure> {
-    let (model, plot, view) = (args.model.clone(), args.plot.clone(), args.view);
-    let body = question(args)?;
+    let (model, ask, view) = (args.model.clone(), args.ask.clone(), args.view);
+    let body = ask.file.question(|| of_options(args))?;
     let desk = Desk::of(context);
     let arm = desk.describe(&model).await?;
     let answer = desk.tool_path(&model, &body).await?;
-    let drawing = match &plot.plot {
+    let drawing = match &ask.plot.plot {
         None => None,
         Some(picture) => {
             let look = TrajectoryLook {
@@ -138,10 +134,7 @@ async fn at_start(
     }
 }
 
-fn question(args: ToolPathArgs) -> Result<ToolPathBody, Failure> {
-    if let Some(file) = &args.file.file {
-        return read(file);
-    }
+fn of_options(args: ToolPathArgs) -> Result<ToolPathBody, Failure> {
     Ok(ToolPathBody {
         kind: match needed(args.kind, "--kind")? {
             KindArg::Line => ToolPathKind::Line,
@@ -156,7 +149,7 @@ fn question(args: ToolPathArgs) -> Result<ToolPathBody, Failure> {
         jerk_mm_s3: args.jerk,
         turning_deg_s: args.turning,
         period_s: args.period,
-        frames: args.frames.into(),
+        frames: args.ask.frames.into(),
     })
 }
 

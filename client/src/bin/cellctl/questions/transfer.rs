@@ -1,12 +1,11 @@
 //! `cellctl arm transfer`: an arm among obstacles.
 
-use api::PoseBody;
 use api::arms::{ArmObstacle, ArmTransferBody, ArmTransferResult};
 use clap::Args;
 use plots::answers;
 
 use super::desk::Desk;
-use super::input::{FileArgs, Numbers, Row, needed, read};
+use super::input::{FileArgs, Numbers, Row, needed};
 use super::show::{PlotArgs, finish};
 use crate::context::Context;
 use crate::failure::Failure;
@@ -56,8 +55,8 @@ pub(super) struct TransferArgs {
 }
 
 pub(super) async fn run(args: TransferArgs, context: &Context) -> Result<Report, Failure> {
-    let (model, plot) = (args.model.clone(), args.plot.clone());
-    let body = question(args)?;
+    let (model, file, plot) = (args.model.clone(), args.file.clone(), args.plot.clone());
+    let body = file.question(|| of_options(args))?;
     let answer = Desk::of(context).transfer(&model, &body).await?;
     let drawing = match &plot.plot {
         None => None,
@@ -69,10 +68,7 @@ pub(super) async fn run(args: TransferArgs, context: &Context) -> Result<Report,
     finish(context, Exit::Done, &answer, drawing, way)
 }
 
-fn question(args: TransferArgs) -> Result<ArmTransferBody, Failure> {
-    if let Some(file) = &args.file.file {
-        return read(file);
-    }
+fn of_options(args: TransferArgs) -> Result<ArmTransferBody, Failure> {
     let boxes = args
         .keep_out
         .iter()
@@ -84,14 +80,7 @@ fn question(args: TransferArgs) -> Result<ArmTransferBody, Failure> {
         args.cylinder
             .iter()
             .map(|Row([x, y, z, radius, height])| ArmObstacle::Cylinder {
-                pose: PoseBody {
-                    x_mm: *x,
-                    y_mm: *y,
-                    z_mm: z + height / 2.0,
-                    w_deg: 0.0,
-                    p_deg: 0.0,
-                    r_deg: 0.0,
-                },
+                pose: [*x, *y, z + height / 2.0, 0.0, 0.0, 0.0].into(),
                 radius_mm: *radius,
                 height_mm: *height,
             });
