@@ -2,9 +2,10 @@
 
 use std::path::Path;
 use std::process::{Command, Output};
+use std::time::Duration;
 
 use anyhow::Result;
-use tests::TestCell;
+use tests::{CELL, Look, TestCell, wait_until};
 
 /// What a run left behind.
 #[derive(Debug, PartialEq)]
@@ -84,6 +85,10 @@ const COMMANDS: &[(&str, i32)] = &[
         0,
     ),
     (
+        "arm transfer scara --from -40,30,150,0 --to 40,30,150,0 --keep-out 60,-10,0,800,10,280 --margin 5 --plot P.svg",
+        0,
+    ),
+    (
         "plan trajectory fanuc-m20ia --kind jerk-limited --from 0,0,0,0,-90,0 --to 60,20,-20,0,-70,0 --plot P.svg",
         0,
     ),
@@ -98,6 +103,14 @@ const COMMANDS: &[(&str, i32)] = &[
     (
         "plan tool-path fanuc-m20ia --kind line --pose 985,0,940,180,0,0 --pose 985,2300,700,180,0,0 --speed 300 --plot P.svg",
         1,
+    ),
+    (
+        "plan tool-path scara --kind line --pose 400,-200,300,180,0,0 --pose 400,200,300,180,0,90 --speed 500 --plot P.svg",
+        0,
+    ),
+    (
+        "plan tool-path seven-joint --kind line --pose 500,-100,500,180,0,0 --pose 500,200,400,180,0,0 --speed 200 --plot P.svg --view arm",
+        0,
     ),
     (
         "route plan --floor 0,0,3000,2000 --radius 200 --start 500,500 --goal 2500,500 --obstacle 1200,0,1600,0,1600,1200,1200,1200 --method roadmap --seed 3 --plot P.svg",
@@ -261,7 +274,11 @@ const BAD: &[(&str, i32, &str)] = &[
         1,
         "249999",
     ),
-    ("arm transfer scara --from 0,0,0,0 --to 1,1,1,1", 1, "scara"),
+    (
+        "arm transfer scara --from 0,0,0,0 --to 1,1,1",
+        1,
+        "scara has 4 joints",
+    ),
     (
         "arm calibrate fanuc-m20ia --tip 0,0,0,0,0,0 --tip 0,0,0,0,0,0",
         1,
@@ -364,4 +381,85 @@ fn a_png_is_a_picture() -> Result<()> {
         bytes.len()
     );
     Ok(())
+}
+
+/// A robot at (3000, -1500) in the demo's cell, which tells where it is.
+const ARRIVES: &str = r#"{
+    "session": null, "seq": 1, "boot": 1, "signal": "MR_HEARTBEAT", "at": "2026-01-01T00:00:00Z",
+    "data": {
+        "pose": {"x_mm": 3000, "y_mm": -1500, "heading_deg": 0}, "driving": false, "localized": true,
+        "battery_percent": 90, "mode": "AUTOMATIC", "loads": [{"slot": "left", "load": null}],
+        "order": null, "at_point": null, "errors": []
+    }
+}"#;
+
+/// The whole way: set-up, robot and question go to a running cell, and the answer is drawn here.
+#[tokio::test]
+async fn a_mobile_robots_route_is_the_cells_affair() -> Result<()> {
+    let cell = TestCell::start().await?;
+    let server = format!("http://{}", cell.server_address());
+    let folder = tempfile::tempdir()?;
+    std::fs::write(
+        folder.path().join("demo.toml"),
+        include_str!("../../cell/demo.setup.toml"),
+    )?;
+    let at = folder.path().to_owned();
+    let asked = async |line: &'static str| -> Result<Ran> {
+        let (at, server) = (at.clone(), server.clone());
+        tokio::task::spawn_blocking(move || cellctl(&at, Some(&server), line)).await?
+    };
+    let ran = asked("cell import demo.toml").await?;
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    let robot = cell.client().mobile_robot(CELL, "mr1");
+    wait_until(
+        "the set-up",
+        Duration::from_secs(10),
+        async || match robot.state().await {
+            Ok(_) => Look::Ready(()),
+            Err(error) => Look::not_yet(error.to_string()),
+        },
+    )
+    .await?;
+
+    // Nobody knows where it is, before it tells.
+    let line = "route plan --mobile-robot mr1 --to handover/front --radius 400";
+    let ran = asked(line).await?;
+    assert_eq!(ran.code, Some(1), "{ran:?}");
+    assert!(ran.wrong.contains("start_mm"), "{ran:?}");
+    let _ = robot.post_signal(&serde_json::from_str(ARRIVES)?).await?;
+    for (line, code, said) in [
+        (line, 0, "3000.000  -1500.000"),
+        (
+            "route plan --mobile-robot mr1 --goal 1500,1200 --radius 350 --floor 500,-3000,5000,2000 --method roadmap --plot map.svg",
+            0,
+            "Wrote map.svg",
+        ),
+        (
+            "route plan --mobile-robot mr1 --to handover/front --radius 400 --plot wheels.png --view wheels",
+            0,
+            "Wrote wheels.png",
+        ),
+        ("route plan --mobile-robot mr1 --to moon/base", 1, "goal: "),
+        (
+            "route plan --mobile-robot mr9 --to handover/front",
+            1,
+            "mr9",
+        ),
+    ] {
+        let ran = asked(line).await?;
+        assert_eq!(ran.code, Some(code), "{line}: {ran:?}");
+        let all = [ran.said.as_str(), ran.wrong.as_str()].concat();
+        assert!(all.contains(said), "{line}: {all}");
+    }
+    // What is in the way of it is the cell's, by name.
+    let line = "--json route plan --mobile-robot mr1 --goal 1500,1200 --radius 350 --floor 500,-3000,5000,2000";
+    let ran = asked(line).await?;
+    let answer: api::paths::PlanRouteResult = serde_json::from_str(&ran.said)?;
+    let names = answer.obstacles.iter().filter_map(|it| it.name.as_deref());
+    let names: Vec<&str> = names.collect();
+    assert!(
+        names.contains(&"pedestal") && names.contains(&"front"),
+        "{names:?}"
+    );
+    cell.shutdown().await
 }

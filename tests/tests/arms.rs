@@ -9,6 +9,8 @@ use api::paths::PlanRouteBody;
 use api::trajectory::{ToolPathBody, TrajectoryBody};
 use api::{Outcome, ProblemCode};
 use client::ClientError;
+use karel_emulator::motion::path::Path;
+use kinematics::{ArmModel, PendantJoints};
 use serde::de::DeserializeOwned;
 use tests::{FakeRobot, MODEL, TestServer, robot_at};
 
@@ -72,4 +74,26 @@ async fn a_question_over_http_has_the_answer_of_the_library() -> anyhow::Result<
         (ProblemCode::NotFound, Outcome::None)
     );
     Ok(())
+}
+
+/// What the server says of a joint motion before it is made, and what the virtual controller makes of it.
+#[test]
+fn a_joint_motion_takes_as_long_as_the_server_says() {
+    let arm = ArmModel::builtin(MODEL).unwrap();
+    let postures = [
+        [0.0, 0.0, 0.0, 0.0, -90.0, 0.0],
+        [60.0, 20.0, -20.0, 10.0, -70.0, 30.0],
+        [60.1, 20.0, -20.0, 10.0, -70.0, 30.0],
+        [-150.0, 80.0, 60.0, -170.0, 120.0, 260.0],
+    ]
+    .map(PendantJoints::from_degrees);
+    for from in &postures {
+        for to in postures.iter().filter(|to| *to != from) {
+            for percent in [1.0, 37.0, 100.0] {
+                let said = robotics::joint_seconds(arm, from, to, percent / 100.0);
+                let moved = Path::joint_at(arm, *from, *to, percent / 100.0, 1.0).duration();
+                assert!((said - moved).abs() < 1e-9, "{from} {to}: {said} {moved}");
+            }
+        }
+    }
 }

@@ -95,11 +95,11 @@ async fn what_is_wrong_with_a_question_is_a_problem_that_names_the_item() {
         ),
         (
             "arms/fanuc-m20ia/transfers",
-            json!({"start_deg": home, "goal_deg": home,
+            json!({"start_deg_mm": home, "goal_deg_mm": home,
                 "obstacles": [{"kind": "box", "pose": pose(985.0), "size_mm": [50, 50, 50]}]}),
             422,
             "validation",
-            "start_deg",
+            "start_deg_mm",
         ),
         (
             "arms/fanuc-m20ia/reachability",
@@ -131,6 +131,39 @@ async fn what_is_wrong_with_a_question_is_a_problem_that_names_the_item() {
         .await;
     let _problem = reply.problem(422, "no-way", "NONE");
     robot.assert_untouched();
+}
+
+/// The goal is walled in: the walk has a million steps among hundreds of edges.
+#[tokio::test]
+async fn a_caller_who_went_away_keeps_nobody_waiting() {
+    let robot = FakeRobot::accepting().await;
+    let server = TestServer::start(&robot).await;
+    let corners = |x: f64, y: f64, w: f64, h: f64| json!({"corners_mm": [[x, y], [x + w, y], [x + w, y + h], [x, y + h]]});
+    let walls = [
+        corners(4000.0, 4000.0, 2000.0, 100.0),
+        corners(4000.0, 5900.0, 2000.0, 100.0),
+        corners(4000.0, 4100.0, 100.0, 1800.0),
+        corners(5900.0, 4100.0, 100.0, 1800.0),
+    ];
+    let question = json!({
+        "floor": {"min_mm": [0, 0], "max_mm": [10_000, 10_000]}, "radius_mm": 50,
+        "start_mm": [500, 500], "goal_mm": [5000, 5000], "obstacles": walls,
+        "search": {"method": "potential-field", "steps": 1_000_000}
+    });
+    let question = question.to_string();
+    let path = "/api/v1/routes/plan";
+    let asked = server.post(path, &question);
+    let gone = tokio::time::timeout(std::time::Duration::from_millis(300), asked).await;
+    assert!(gone.is_err(), "the question is answered too soon: {gone:?}");
+    // The one place for computing is free again long before the walk would have ended.
+    let short = json!({
+        "floor": {"min_mm": [0, 0], "max_mm": [1000, 1000]}, "radius_mm": 50,
+        "start_mm": [100, 100], "goal_mm": [900, 900]
+    });
+    let short = short.to_string();
+    let reply = server.post(path, &short);
+    let reply = tokio::time::timeout(std::time::Duration::from_secs(3), reply).await;
+    assert_eq!(reply.unwrap().status, 200);
 }
 
 /// Its flange looks down: a tool of 100 mm is 100 mm lower, and a degree of J1 moves it by 985 pi / 180 along Y.

@@ -324,8 +324,8 @@ fn a_transfer_shows_each_edge_of_the_zone() {
         },
     ];
     let body = ArmTransferBody {
-        start_deg: vec![60.0, 20.0, -20.0, 0.0, -70.0, 0.0],
-        goal_deg: vec![-60.0, 20.0, -20.0, 0.0, -70.0, 0.0],
+        start_deg_mm: vec![60.0, 20.0, -20.0, 0.0, -70.0, 0.0],
+        goal_deg_mm: vec![-60.0, 20.0, -20.0, 0.0, -70.0, 0.0],
         obstacles: obstacles[..1].to_vec(),
         ..ArmTransferBody::default()
     };

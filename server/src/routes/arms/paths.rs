@@ -28,7 +28,10 @@ pub(super) async fn plan_route(
     State(app): State<Arc<App>>,
     ListJson(body): ListJson<PlanRouteBody>,
 ) -> Result<Json<PlanRouteResult>, Problem> {
-    computed(&app, move || robotics::plan_route(&body)).await
+    computed(&app, move |wanted| {
+        robotics::plan_route_while(&body, wanted)
+    })
+    .await
 }
 
 /// Plans a path of a mobile robot around what stands in the cell's set-up. Nothing is sent.
@@ -58,5 +61,8 @@ pub(super) async fn plan_mobile_robot_route(
         .map(|state| [state.pose.x_mm, state.pose.y_mm]);
     let question = robotics::route_in_cell(&cell.setup.current().file, &id, at, &body);
     let question = question.map_err(refused)?;
-    computed(&app, move || robotics::plan_route(&question)).await
+    computed(&app, move |wanted| {
+        robotics::plan_route_while(&question, wanted)
+    })
+    .await
 }

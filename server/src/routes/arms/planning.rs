@@ -36,7 +36,7 @@ pub(super) async fn arm_velocity_motion(
     ModelName(model): ModelName,
     ListJson(body): ListJson<ArmVelocityMotionBody>,
 ) -> Result<Json<ArmVelocityMotionResult>, Problem> {
-    computed(&app, move || robotics::velocity_motion(&model, &body)).await
+    computed(&app, move |_| robotics::velocity_motion(&model, &body)).await
 }
 
 /// Counts in how many ways an arm model reaches each of a set of poses, or each point of a plane.
@@ -56,7 +56,10 @@ pub(super) async fn arm_reachability(
     ModelName(model): ModelName,
     ListJson(body): ListJson<ReachBody>,
 ) -> Result<Json<ReachResult>, Problem> {
-    computed(&app, move || robotics::reach(&model, &body)).await
+    computed(&app, move |wanted| {
+        robotics::reach_while(&model, &body, wanted)
+    })
+    .await
 }
 
 /// Plans a trajectory of an arm model's joints: polynomials, jerk-limited, or past via points.
@@ -76,7 +79,7 @@ pub(super) async fn arm_trajectory(
     ModelName(model): ModelName,
     ListJson(body): ListJson<TrajectoryBody>,
 ) -> Result<Json<TrajectoryResult>, Problem> {
-    computed(&app, move || robotics::trajectory(&model, &body)).await
+    computed(&app, move |_| robotics::trajectory(&model, &body)).await
 }
 
 /// Follows a line, an arc, a circle or a spline with the tool of an arm model, and says where the arm cannot.
@@ -96,7 +99,10 @@ pub(super) async fn arm_tool_path(
     ModelName(model): ModelName,
     ListJson(body): ListJson<ToolPathBody>,
 ) -> Result<Json<ToolPathResult>, Problem> {
-    computed(&app, move || robotics::tool_path(&model, &body)).await
+    computed(&app, move |wanted| {
+        robotics::tool_path_while(&model, &body, wanted)
+    })
+    .await
 }
 
 /// Finds a way of an arm model's joints on which it touches no obstacle.
@@ -116,7 +122,10 @@ pub(super) async fn arm_transfer(
     ModelName(model): ModelName,
     ListJson(body): ListJson<ArmTransferBody>,
 ) -> Result<Json<ArmTransferResult>, Problem> {
-    computed(&app, move || robotics::transfer(&model, &body)).await
+    computed(&app, move |wanted| {
+        robotics::transfer_while(&model, &body, wanted)
+    })
+    .await
 }
 
 /// The robot's own frames where the question has none.
@@ -149,7 +158,10 @@ pub(super) async fn robot_reachability(
 ) -> Result<Json<ReachResult>, Problem> {
     with_own(&mut body.frames, &robot.plan);
     let model = robot.plan.model.name().to_owned();
-    computed(&app, move || robotics::reach(&model, &body)).await
+    computed(&app, move |wanted| {
+        robotics::reach_while(&model, &body, wanted)
+    })
+    .await
 }
 
 /// Computes the Jacobians of a robot at its tool, in its user frame: geometric, analytic, rank, what is lost.

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use plots::answers::{self, TrajectoryLook};
 
 use super::desk::Desk;
-use super::input::{AskArgs, Numbers, Row, needed};
+use super::input::{AskArgs, Numbers, Row, TaskArg, needed};
 use super::show::{exit_if, finish};
 use super::trajectory::{View, draw, peaks, tool};
 use crate::context::Context;
@@ -20,8 +20,9 @@ use crate::text::{self, thousandths, word};
 ///
 /// Exit code 1 if the arm cannot follow it; the answer says where and why.
 ///
-/// Example:
+/// Examples:
 ///   cellctl plan tool-path fanuc-m20ia --kind line --pose 985,0,940,180,0,0 --pose 985,300,700,180,0,0 --speed 300
+///   cellctl plan tool-path scara --kind line --pose 400,-200,300,180,0,0 --pose 400,200,300,180,0,90 --speed 500
 #[derive(Args, Debug)]
 #[command(verbatim_doc_comment)]
 pub(super) struct ToolPathArgs {
@@ -48,6 +49,9 @@ pub(super) struct ToolPathArgs {
     /// The joints at the first pose; those nearest to home if absent.
     #[arg(long, value_name = "J1,J2,..", allow_hyphen_values = true)]
     start: Option<Numbers>,
+    /// What of the poses counts; what the model can do if absent. Less than the pose is searched for.
+    #[arg(long, value_enum)]
+    task: Option<TaskArg>,
     /// From sample to sample, in seconds; 0.02 if absent.
     #[arg(long, value_name = "S", value_parser = finite, allow_hyphen_values = true)]
     period: Option<f64>,
@@ -113,7 +117,7 @@ async fn at_start(
     model: &str,
     body: &ToolPathBody,
 ) -> Result<Option<ArmForwardResult>, Failure> {
-    if let Some(joints) = &body.start_deg {
+    if let Some(joints) = &body.start_deg_mm {
         return desk.at(model, joints, &body.frames).await.map(Some);
     }
     let question = ArmInverseBody {
@@ -143,7 +147,8 @@ fn of_options(args: ToolPathArgs) -> Result<ToolPathBody, Failure> {
             KindArg::Spline => ToolPathKind::Spline,
         },
         poses: args.pose.into_iter().map(PoseBody::from).collect(),
-        start_deg: args.start.map(|Numbers(joints)| joints),
+        start_deg_mm: args.start.map(|Numbers(joints)| joints),
+        task: args.task.map(Into::into),
         speed_mm_s: needed(args.speed, "--speed")?,
         acceleration_mm_s2: args.acceleration,
         jerk_mm_s3: args.jerk,

@@ -1,12 +1,12 @@
 //! `cellctl arm transfer`: an arm among obstacles.
 
-use api::arms::{ArmObstacle, ArmTransferBody, ArmTransferResult};
+use api::arms::{ArmDescription, ArmObstacle, ArmTransferBody, ArmTransferResult};
 use clap::Args;
 use plots::answers;
 
 use super::desk::Desk;
 use super::input::{FileArgs, Numbers, Row, needed};
-use super::show::{PlotArgs, finish};
+use super::show::{PlotArgs, finish, unit};
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::numbers::finite;
@@ -22,7 +22,7 @@ use crate::text::{Table, thousandths};
 pub(super) struct TransferArgs {
     /// The model.
     model: String,
-    /// The joints at the start, in degrees.
+    /// The joints at the start, base first.
     #[arg(
         long,
         value_name = "J1,J2,..",
@@ -30,7 +30,7 @@ pub(super) struct TransferArgs {
         conflicts_with = "file"
     )]
     from: Option<Numbers>,
-    /// The joints at the goal, in degrees.
+    /// The joints at the goal.
     #[arg(long, value_name = "J1,J2,..", allow_hyphen_values = true)]
     to: Option<Numbers>,
     /// A box that the arm must not be in: two corners in the arm's world, in mm. As often as there are such.
@@ -57,7 +57,9 @@ pub(super) struct TransferArgs {
 pub(super) async fn run(args: TransferArgs, context: &Context) -> Result<Report, Failure> {
     let (model, file, plot) = (args.model.clone(), args.file.clone(), args.plot.clone());
     let body = file.question(|| of_options(args))?;
-    let answer = Desk::of(context).transfer(&model, &body).await?;
+    let desk = Desk::of(context);
+    let arm = desk.describe(&model).await?;
+    let answer = desk.transfer(&model, &body).await?;
     let drawing = match &plot.plot {
         None => None,
         Some(picture) => {
@@ -65,7 +67,9 @@ pub(super) async fn run(args: TransferArgs, context: &Context) -> Result<Report,
             Some((picture, drawing))
         }
     };
-    finish(context, Exit::Done, &answer, drawing, way)
+    finish(context, Exit::Done, &answer, drawing, |answer| {
+        way(&arm, answer)
+    })
 }
 
 fn of_options(args: TransferArgs) -> Result<ArmTransferBody, Failure> {
@@ -85,8 +89,8 @@ fn of_options(args: TransferArgs) -> Result<ArmTransferBody, Failure> {
                 height_mm: *height,
             });
     Ok(ArmTransferBody {
-        start_deg: needed(args.from, "--from")?.0,
-        goal_deg: needed(args.to, "--to")?.0,
+        start_deg_mm: needed(args.from, "--from")?.0,
+        goal_deg_mm: needed(args.to, "--to")?.0,
         obstacles: boxes.chain(cylinders).collect(),
         capsules: None,
         tool_capsules: Vec::new(),
@@ -96,17 +100,20 @@ fn of_options(args: TransferArgs) -> Result<ArmTransferBody, Failure> {
     })
 }
 
-fn way(answer: &ArmTransferResult) -> String {
-    let names = (1..=6).map(|joint| format!(">J{joint} deg"));
+fn way(arm: &ArmDescription, answer: &ArmTransferResult) -> String {
+    let joints = arm.joints.iter();
+    let names = joints.map(|joint| format!(">{} {}", joint.name, unit(joint.kind)));
     let mut table = Table::with_headings([">#".to_owned()].into_iter().chain(names));
-    for (index, joints) in answer.points_deg.iter().enumerate() {
+    for (index, joints) in answer.points_deg_mm.iter().enumerate() {
         let values = joints.iter().map(|value| thousandths(*value));
         table.row([(index + 1).to_string()].into_iter().chain(values));
     }
-    let pieces = answer.points_deg.len().saturating_sub(1);
+    let pieces = answer.points_deg_mm.len().saturating_sub(1);
     let straight = if pieces == 1 { "piece" } else { "pieces" };
+    let slid = answer.length_mm.map(thousandths);
+    let slid = slid.map_or_else(String::new, |slid| format!(" and {slid} mm"));
     format!(
-        "{pieces} straight {straight} of joint space, {} deg together\n\n{table}",
+        "{pieces} straight {straight} of joint space, {} deg{slid} together\n\n{table}",
         thousandths(answer.length_deg)
     )
 }
