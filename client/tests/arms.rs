@@ -2,9 +2,10 @@
 
 use std::path::Path;
 use std::process::{Command, Output};
+use std::time::Duration;
 
 use anyhow::Result;
-use tests::TestCell;
+use tests::{CELL, Look, TestCell, wait_until};
 
 /// What a run left behind.
 #[derive(Debug, PartialEq)]
@@ -14,10 +15,11 @@ struct Ran {
     wrong: String,
 }
 
-/// Runs the real `cellctl` in `folder`; with a server if there is one.
-fn cellctl(folder: &Path, server: Option<&str>, arguments: &[&str]) -> Result<Ran> {
+/// Runs the real `cellctl` in `folder` with the words of a line; with a server if there is one.
+fn cellctl(folder: &Path, server: Option<&str>, line: &str) -> Result<Ran> {
     let mut command = Command::new(env!("CARGO_BIN_EXE_cellctl"));
-    let _ = command.env_clear().current_dir(folder).args(arguments);
+    let words = line.split(' ');
+    let _ = command.env_clear().current_dir(folder).args(words);
     if let Some(server) = server {
         let _ = command.args(["--server", server]);
     }
@@ -51,7 +53,7 @@ const COMMANDS: &[(&str, i32)] = &[
         0,
     ),
     (
-        "arm rates seven-joint 0 30 0 60 0 45 0 --linear 0,50,0 --null 10,0,0,0,0,0,0",
+        "arm rates seven-joint 0 30 0 60 0 45 0 --linear 0,50,0 --null 10,0,0,0,0,0,0 --plot P.svg",
         0,
     ),
     (
@@ -67,7 +69,7 @@ const COMMANDS: &[(&str, i32)] = &[
         1,
     ),
     (
-        "arm calibrate fanuc-m20ia --tip 5.947,-3.744,-10.630,0,-79.370,-5.947 --tip 5.280,5.018,-11.157,-2.294,-103.739,-5.333 --tip 9.238,-7.147,-11.451,18.346,-69.022,25.580",
+        "arm calibrate fanuc-m20ia --tip 5.947,-3.744,-10.630,0,-79.370,-5.947 --tip 5.280,5.018,-11.157,-2.294,-103.739,-5.333 --tip 9.238,-7.147,-11.451,18.346,-69.022,25.580 --plot P.svg",
         0,
     ),
     (
@@ -80,6 +82,10 @@ const COMMANDS: &[(&str, i32)] = &[
     ),
     (
         "arm transfer fanuc-m20ia --from 60,20,-20,0,-70,0 --to -60,20,-20,0,-70,0 --keep-out 700,-100,-500,1000,100,500 --cylinder 0,1500,0,50,300 --plot P.svg",
+        0,
+    ),
+    (
+        "arm transfer scara --from -40,30,150,0 --to 40,30,150,0 --keep-out 60,-10,0,800,10,280 --margin 5 --plot P.svg",
         0,
     ),
     (
@@ -99,6 +105,14 @@ const COMMANDS: &[(&str, i32)] = &[
         1,
     ),
     (
+        "plan tool-path scara --kind line --pose 400,-200,300,180,0,0 --pose 400,200,300,180,0,90 --speed 500 --plot P.svg",
+        0,
+    ),
+    (
+        "plan tool-path seven-joint --kind line --pose 500,-100,500,180,0,0 --pose 500,200,400,180,0,0 --speed 200 --plot P.svg --view arm",
+        0,
+    ),
+    (
         "route plan --floor 0,0,3000,2000 --radius 200 --start 500,500 --goal 2500,500 --obstacle 1200,0,1600,0,1600,1200,1200,1200 --method roadmap --seed 3 --plot P.svg",
         0,
     ),
@@ -115,8 +129,7 @@ async fn a_server_answers_as_the_program_itself_does() -> Result<()> {
     let ran = tokio::task::spawn_blocking(move || -> Result<()> {
         for (line, code) in COMMANDS {
             let (here, there) = (tempfile::tempdir()?, tempfile::tempdir()?);
-            let words: Vec<&str> = line.split(' ').collect();
-            let own = cellctl(here.path(), None, &words)?;
+            let own = cellctl(here.path(), None, line)?;
             assert_eq!(
                 (own.code, &*own.wrong),
                 (Some(*code), ""),
@@ -124,7 +137,7 @@ async fn a_server_answers_as_the_program_itself_does() -> Result<()> {
                 own.said
             );
             assert!(own.said.len() > 20, "{line}: {}", own.said);
-            let asked = cellctl(there.path(), Some(&server), &words)?;
+            let asked = cellctl(there.path(), Some(&server), line)?;
             assert_eq!(own, asked, "{line}");
             if line.contains("P.svg") {
                 assert!(own.said.ends_with("Wrote P.svg\n"), "{line}: {}", own.said);
@@ -144,9 +157,8 @@ async fn a_server_answers_as_the_program_itself_does() -> Result<()> {
             ("arm fk no-such-arm 0 0 0", "no-such-arm"),
             ("arm ik fanuc-m20ia 5000 0 940 180 0 0", "3298.630 mm"),
         ] {
-            let words: Vec<&str> = line.split(' ').collect();
             for server in [None, Some(&*server)] {
-                let ran = cellctl(folder.path(), server, &words)?;
+                let ran = cellctl(folder.path(), server, line)?;
                 assert_eq!(ran.code, Some(1), "{line}: {ran:?}");
                 assert!(ran.wrong.contains(item), "{line}: {ran:?}");
             }
@@ -262,7 +274,11 @@ const BAD: &[(&str, i32, &str)] = &[
         1,
         "249999",
     ),
-    ("arm transfer scara --from 0,0,0,0 --to 1,1,1,1", 1, "scara"),
+    (
+        "arm transfer scara --from 0,0,0,0 --to 1,1,1",
+        1,
+        "scara has 4 joints",
+    ),
     (
         "arm calibrate fanuc-m20ia --tip 0,0,0,0,0,0 --tip 0,0,0,0,0,0",
         1,
@@ -316,8 +332,7 @@ fn bad_questions_name_item_value_and_limit() -> Result<()> {
         std::fs::write(folder.path().join(name), text)?;
     }
     for &(line, code, complaint) in BAD {
-        let words: Vec<&str> = line.split(' ').collect();
-        let ran = cellctl(folder.path(), None, &words)?;
+        let ran = cellctl(folder.path(), None, line)?;
         assert_eq!(ran.code, Some(code), "{line}: {ran:?}");
         assert!(ran.wrong.contains(complaint), "{line}: {}", ran.wrong);
         assert_eq!(ran.said, "", "{line}");
@@ -328,25 +343,8 @@ fn bad_questions_name_item_value_and_limit() -> Result<()> {
 #[test]
 fn a_refusal_for_machines_names_the_item() -> Result<()> {
     let folder = tempfile::tempdir()?;
-    let ran = cellctl(
-        folder.path(),
-        None,
-        &[
-            "--json",
-            "arm",
-            "move-velocity",
-            "five-link",
-            "0",
-            "45",
-            "-60",
-            "0",
-            "30",
-            "--along",
-            "20",
-            "--time",
-            "1e9",
-        ],
-    )?;
+    let line = "--json arm move-velocity five-link 0 45 -60 0 30 --along 20 --time 1e9";
+    let ran = cellctl(folder.path(), None, line)?;
     assert_eq!((ran.code, &*ran.wrong), (Some(1), ""));
     let document: serde_json::Value = serde_json::from_str(&ran.said)?;
     assert_eq!(document["violations"][0]["item"], "time_s");
@@ -363,14 +361,9 @@ fn a_question_in_a_file_is_the_same_as_one_in_options() -> Result<()> {
         folder.path().join("pose.toml"),
         "joints_deg_mm = [30, 20, -20, 0, -70, 0]\n[frames.tool]\nx_mm = 0\ny_mm = 0\nz_mm = 150\nw_deg = 0\np_deg = 0\nr_deg = 0\n",
     )?;
-    let of_file = cellctl(
-        folder.path(),
-        None,
-        &["arm", "fk", "fanuc-m20ia", "--file", "pose.toml"],
-    )?;
-    let words = "arm fk fanuc-m20ia 30 20 -20 0 -70 0 --tool 0,0,150,0,0,0";
-    let words: Vec<&str> = words.split(' ').collect();
-    assert_eq!(of_file, cellctl(folder.path(), None, &words)?);
+    let of_file = cellctl(folder.path(), None, "arm fk fanuc-m20ia --file pose.toml")?;
+    let of_options = "arm fk fanuc-m20ia 30 20 -20 0 -70 0 --tool 0,0,150,0,0,0";
+    assert_eq!(of_file, cellctl(folder.path(), None, of_options)?);
     assert_eq!(of_file.code, Some(0), "{of_file:?}");
     Ok(())
 }
@@ -378,9 +371,8 @@ fn a_question_in_a_file_is_the_same_as_one_in_options() -> Result<()> {
 #[test]
 fn a_png_is_a_picture() -> Result<()> {
     let folder = tempfile::tempdir()?;
-    let words = "arm fk five-link 0 45 -60 0 30 --plot arm.png";
-    let words: Vec<&str> = words.split(' ').collect();
-    let ran = cellctl(folder.path(), None, &words)?;
+    let line = "arm fk five-link 0 45 -60 0 30 --plot arm.png";
+    let ran = cellctl(folder.path(), None, line)?;
     assert_eq!(ran.code, Some(0), "{ran:?}");
     let bytes = std::fs::read(folder.path().join("arm.png"))?;
     assert!(
@@ -389,4 +381,85 @@ fn a_png_is_a_picture() -> Result<()> {
         bytes.len()
     );
     Ok(())
+}
+
+/// A robot at (3000, -1500) in the demo's cell, which tells where it is.
+const ARRIVES: &str = r#"{
+    "session": null, "seq": 1, "boot": 1, "signal": "MR_HEARTBEAT", "at": "2026-01-01T00:00:00Z",
+    "data": {
+        "pose": {"x_mm": 3000, "y_mm": -1500, "heading_deg": 0}, "driving": false, "localized": true,
+        "battery_percent": 90, "mode": "AUTOMATIC", "loads": [{"slot": "left", "load": null}],
+        "order": null, "at_point": null, "errors": []
+    }
+}"#;
+
+/// The whole way: set-up, robot and question go to a running cell, and the answer is drawn here.
+#[tokio::test]
+async fn a_mobile_robots_route_is_the_cells_affair() -> Result<()> {
+    let cell = TestCell::start().await?;
+    let server = format!("http://{}", cell.server_address());
+    let folder = tempfile::tempdir()?;
+    std::fs::write(
+        folder.path().join("demo.toml"),
+        include_str!("../../cell/demo.setup.toml"),
+    )?;
+    let at = folder.path().to_owned();
+    let asked = async |line: &'static str| -> Result<Ran> {
+        let (at, server) = (at.clone(), server.clone());
+        tokio::task::spawn_blocking(move || cellctl(&at, Some(&server), line)).await?
+    };
+    let ran = asked("cell import demo.toml").await?;
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    let robot = cell.client().mobile_robot(CELL, "mr1");
+    wait_until(
+        "the set-up",
+        Duration::from_secs(10),
+        async || match robot.state().await {
+            Ok(_) => Look::Ready(()),
+            Err(error) => Look::not_yet(error.to_string()),
+        },
+    )
+    .await?;
+
+    // Nobody knows where it is, before it tells.
+    let line = "route plan --mobile-robot mr1 --to handover/front --radius 400";
+    let ran = asked(line).await?;
+    assert_eq!(ran.code, Some(1), "{ran:?}");
+    assert!(ran.wrong.contains("start_mm"), "{ran:?}");
+    let _ = robot.post_signal(&serde_json::from_str(ARRIVES)?).await?;
+    for (line, code, said) in [
+        (line, 0, "3000.000  -1500.000"),
+        (
+            "route plan --mobile-robot mr1 --goal 1500,1200 --radius 350 --floor 500,-3000,5000,2000 --method roadmap --plot map.svg",
+            0,
+            "Wrote map.svg",
+        ),
+        (
+            "route plan --mobile-robot mr1 --to handover/front --radius 400 --plot wheels.png --view wheels",
+            0,
+            "Wrote wheels.png",
+        ),
+        ("route plan --mobile-robot mr1 --to moon/base", 1, "goal: "),
+        (
+            "route plan --mobile-robot mr9 --to handover/front",
+            1,
+            "mr9",
+        ),
+    ] {
+        let ran = asked(line).await?;
+        assert_eq!(ran.code, Some(code), "{line}: {ran:?}");
+        let all = [ran.said.as_str(), ran.wrong.as_str()].concat();
+        assert!(all.contains(said), "{line}: {all}");
+    }
+    // What is in the way of it is the cell's, by name.
+    let line = "--json route plan --mobile-robot mr1 --goal 1500,1200 --radius 350 --floor 500,-3000,5000,2000";
+    let ran = asked(line).await?;
+    let answer: api::paths::PlanRouteResult = serde_json::from_str(&ran.said)?;
+    let names = answer.obstacles.iter().filter_map(|it| it.name.as_deref());
+    let names: Vec<&str> = names.collect();
+    assert!(
+        names.contains(&"pedestal") && names.contains(&"front"),
+        "{names:?}"
+    );
+    cell.shutdown().await
 }

@@ -9,6 +9,8 @@ use api::paths::PlanRouteBody;
 use api::trajectory::{ToolPathBody, TrajectoryBody};
 use api::{Outcome, ProblemCode};
 use client::ClientError;
+use karel_emulator::motion::path::Path;
+use kinematics::{ArmModel, PendantJoints};
 use serde::de::DeserializeOwned;
 use tests::{FakeRobot, MODEL, TestServer, robot_at};
 
@@ -30,48 +32,36 @@ async fn a_question_over_http_has_the_answer_of_the_library() -> anyhow::Result<
     assert_eq!(arms.list().await?, robotics::models());
     assert_eq!(arms.describe(MODEL).await?, robotics::describe(MODEL)?);
 
-    let body: ArmForwardBody = example("ArmForwardBody")?;
-    assert_eq!(
-        arms.forward(MODEL, &body).await?,
-        robotics::forward(MODEL, &body)?
-    );
-    let body: ArmInverseBody = example("ArmInverseBody")?;
-    assert_eq!(
-        arms.inverse(MODEL, &body).await?,
-        robotics::inverse(MODEL, &body)?
-    );
-    let body: ArmJacobianBody = example("ArmJacobianBody")?;
-    let jacobian = robotics::jacobian(MODEL, &body)?;
-    assert_eq!(arms.jacobian(MODEL, &body).await?, jacobian);
+    // Each question's example, through the typed client and asked of the library.
+    macro_rules! same_answers {
+        ($($body:ident: $asked:ident is $answer:ident;)*) => {$(
+            let body: $body = example(stringify!($body))?;
+            let answer = robotics::$answer(MODEL, &body)?;
+            assert_eq!(arms.$asked(MODEL, &body).await?, answer, stringify!($asked));
+        )*};
+    }
+    same_answers! {
+        ArmForwardBody: forward is forward;
+        ArmInverseBody: inverse is inverse;
+        ArmJacobianBody: jacobian is jacobian;
+        ArmRatesBody: rates is rates;
+        ArmVelocityMotionBody: velocity_motion is velocity_motion;
+        ArmCalibrationBody: calibrate_tool is calibrate;
+        ReachBody: reachability is reach;
+        TrajectoryBody: trajectory is trajectory;
+        ToolPathBody: tool_path is tool_path;
+        ArmTransferBody: transfer is transfer;
+    }
     // This robot has no tool and no user frame.
-    assert_eq!(server.robot().jacobian(&body).await?, jacobian);
-    let body: ArmRatesBody = example("ArmRatesBody")?;
+    let body: ArmJacobianBody = example("ArmJacobianBody")?;
     assert_eq!(
-        arms.rates(MODEL, &body).await?,
-        robotics::rates(MODEL, &body)?
+        server.robot().jacobian(&body).await?,
+        robotics::jacobian(MODEL, &body)?
     );
-    let body: ArmVelocityMotionBody = example("ArmVelocityMotionBody")?;
-    let moved = robotics::velocity_motion(MODEL, &body)?;
-    assert_eq!(arms.velocity_motion(MODEL, &body).await?, moved);
-    let body: ArmCalibrationBody = example("ArmCalibrationBody")?;
-    let tool = robotics::calibrate(MODEL, &body)?;
-    assert_eq!(arms.calibrate_tool(MODEL, &body).await?, tool);
     let body: ReachBody = example("ReachBody")?;
-    let reached = robotics::reach(MODEL, &body)?;
-    assert_eq!(arms.reachability(MODEL, &body).await?, reached);
-    assert_eq!(server.robot().reachability(&body).await?, reached);
-    let body: TrajectoryBody = example("TrajectoryBody")?;
-    let planned = robotics::trajectory(MODEL, &body)?;
-    assert_eq!(arms.trajectory(MODEL, &body).await?, planned);
-    let body: ToolPathBody = example("ToolPathBody")?;
     assert_eq!(
-        arms.tool_path(MODEL, &body).await?,
-        robotics::tool_path(MODEL, &body)?
-    );
-    let body: ArmTransferBody = example("ArmTransferBody")?;
-    assert_eq!(
-        arms.transfer(MODEL, &body).await?,
-        robotics::transfer(MODEL, &body)?
+        server.robot().reachability(&body).await?,
+        robotics::reach(MODEL, &body)?
     );
     let body: PlanRouteBody = example("PlanRouteBody")?;
     assert_eq!(arms.plan_route(&body).await?, robotics::plan_route(&body)?);
@@ -84,4 +74,26 @@ async fn a_question_over_http_has_the_answer_of_the_library() -> anyhow::Result<
         (ProblemCode::NotFound, Outcome::None)
     );
     Ok(())
+}
+
+/// What the server says of a joint motion before it is made, and what the virtual controller makes of it.
+#[test]
+fn a_joint_motion_takes_as_long_as_the_server_says() {
+    let arm = ArmModel::builtin(MODEL).unwrap();
+    let postures = [
+        [0.0, 0.0, 0.0, 0.0, -90.0, 0.0],
+        [60.0, 20.0, -20.0, 10.0, -70.0, 30.0],
+        [60.1, 20.0, -20.0, 10.0, -70.0, 30.0],
+        [-150.0, 80.0, 60.0, -170.0, 120.0, 260.0],
+    ]
+    .map(PendantJoints::from_degrees);
+    for from in &postures {
+        for to in postures.iter().filter(|to| *to != from) {
+            for percent in [1.0, 37.0, 100.0] {
+                let said = robotics::joint_seconds(arm, from, to, percent / 100.0);
+                let moved = Path::joint_at(arm, *from, *to, percent / 100.0, 1.0).duration();
+                assert!((said - moved).abs() < 1e-9, "{from} {to}: {said} {moved}");
+            }
+        }
+    }
 }

@@ -146,17 +146,7 @@ async fn a_motion_succeeds_when_the_arm_is_seen_at_its_target() -> anyhow::Resul
     let up = MotionBody {
         relative_to: Some(RelativeTo::Actual),
         motion_type: MotionType::Relative,
-        ..to(
-            PoseBody {
-                x_mm: 0.0,
-                y_mm: 0.0,
-                z_mm: 25.0,
-                w_deg: 0.0,
-                p_deg: 0.0,
-                r_deg: 0.0,
-            },
-            100.0,
-        )
+        ..to([0.0, 0.0, 25.0, 0.0, 0.0, 0.0].into(), 100.0)
     };
     let motion = done(&robot, &up).await?;
     let from = motion.counted_from.unwrap();

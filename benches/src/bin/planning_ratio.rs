@@ -3,10 +3,11 @@
 
 use benches::compare::{compare, cpu_seconds};
 use benches::targets::Table;
-use kinematics::{ArmModel, PendantJoints, Pose, Xyzwpr};
-use planning::arm::{ArmShape, Obstacle, Scene, transfer};
+use kinematics::serial::SerialArm;
+use kinematics::{Pose, Xyzwpr};
+use planning::arm::{ArmShape, Obstacle, Scene, Workplace};
 use planning::jerk::{JointMove, MotionLimits};
-use planning::{Sampling, State};
+use planning::{Sampling, State, Wanted};
 use rand_distr::{Distribution, Uniform};
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
@@ -106,11 +107,17 @@ fn moves(moving: f64) -> anyhow::Result<Vec<Move>> {
 
 /// Milliseconds of the median and of the worst, and how many found a way.
 fn transfers() -> anyhow::Result<(f64, f64, usize)> {
-    let arm = ArmModel::builtin("fanuc-m20ia").ok_or_else(|| anyhow::anyhow!("no such arm"))?;
+    let arm = SerialArm::builtin("fanuc-m20ia").ok_or_else(|| anyhow::anyhow!("no such arm"))?;
     let shape = ArmShape::of_model(arm)?;
     let scene = Scene::try_new(&obstacles()?)?;
-    let start = PendantJoints::from_degrees([45.0, 20.0, -20.0, 0.0, -70.0, 0.0]);
-    let goal = PendantJoints::from_degrees([-45.0, 20.0, -20.0, 0.0, -70.0, 0.0]);
+    let start = arm.joints(&[45.0, 20.0, -20.0, 0.0, -70.0, 0.0])?;
+    let goal = arm.joints(&[-45.0, 20.0, -20.0, 0.0, -70.0, 0.0])?;
+    let place = Workplace {
+        arm,
+        shape: &shape,
+        scene: &scene,
+        margin: Millimeters(20.0),
+    };
     let mut times = Vec::new();
     let mut solved = 0;
     for seed in 0..100 {
@@ -119,8 +126,7 @@ fn transfers() -> anyhow::Result<(f64, f64, usize)> {
             ..Sampling::default()
         };
         let begun = cpu_seconds();
-        let margin = Millimeters(20.0);
-        let found = transfer(arm, &shape, &scene, &start, &goal, margin, &sampling);
+        let found = place.transfer(&start, &goal, &sampling, Wanted::ALWAYS);
         times.push((cpu_seconds() - begun) * 1e3);
         solved += usize::from(found.is_ok());
     }

@@ -26,6 +26,34 @@ pub struct PoseBody {
     pub r_deg: f64,
 }
 
+/// X, Y, Z, W, P, R.
+impl From<[f64; 6]> for PoseBody {
+    fn from([x_mm, y_mm, z_mm, w_deg, p_deg, r_deg]: [f64; 6]) -> Self {
+        Self {
+            x_mm,
+            y_mm,
+            z_mm,
+            w_deg,
+            p_deg,
+            r_deg,
+        }
+    }
+}
+
+impl From<PoseBody> for [f64; 6] {
+    fn from(pose: PoseBody) -> Self {
+        let PoseBody {
+            x_mm,
+            y_mm,
+            z_mm,
+            w_deg,
+            p_deg,
+            r_deg,
+        } = pose;
+        [x_mm, y_mm, z_mm, w_deg, p_deg, r_deg]
+    }
+}
+
 /// Joint values as the teach pendant shows them, in degrees (J3 against the horizontal).
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
 #[serde(deny_unknown_fields)]

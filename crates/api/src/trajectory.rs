@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use crate::PoseBody;
-use crate::arms::{ArmFrames, ArmOutside};
+use crate::arms::{ArmFrames, ArmOutside, ArmTask};
 
 /// How joints get from start to goal.
 #[derive(Clone, Copy, Debug, Deserialize, Eq, PartialEq, Serialize, ToSchema)]
@@ -170,7 +170,9 @@ pub enum ToolPathKind {
     Spline,
 }
 
-/// A path of the tool. For arms that the closed form covers.
+/// A path of the tool.
+///
+/// Arms that the closed form covers are solved by it, others by damped least squares, each step from the one before.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 #[schema(example = json!({
@@ -186,8 +188,12 @@ pub struct ToolPathBody {
     /// The tool in the user frame: two poses for a line, three for an arc or a circle, 2 to 1000 for a spline.
     pub poses: Vec<PoseBody>,
     /// The joints at the first pose; where absent, those nearest to home.
+    #[serde(default, alias = "start_deg", skip_serializing_if = "Option::is_none")]
+    pub start_deg_mm: Option<Vec<f64>>,
+    /// What of the poses counts; the model's own where absent. Less than the whole pose is looked for by damped least
+    /// squares.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub start_deg: Option<Vec<f64>>,
+    pub task: Option<ArmTask>,
     /// The tool's highest speed.
     #[schema(minimum = 1e-6, maximum = 1e6)]
     pub speed_mm_s: f64,

@@ -10,7 +10,8 @@
 //! | [`arm`] | transfers of an arm among obstacles |
 //!
 //! Joint values are radians (or millimeters of a prismatic joint), times seconds. Nothing here does
-//! I/O or reads a clock; what is random comes from a seed.
+//! I/O or reads a clock; what is random comes from a seed. What may search for long asks whether its answer is still
+//! [`Wanted`].
 
 #![expect(
     non_snake_case,
@@ -26,6 +27,8 @@ pub mod trajectory;
 
 mod sampling;
 mod state;
+mod wanted;
 
 pub use sampling::Sampling;
 pub use state::{NotFinite, Part, State};
+pub use wanted::{BrokenOff, Wanted};

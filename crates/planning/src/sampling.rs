@@ -4,6 +4,7 @@ use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 
 use crate::plane::graph::shortest;
+use crate::wanted::{BrokenOff, Wanted};
 
 /// How a roadmap is sampled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,14 +31,17 @@ impl Default for Sampling {
 }
 
 /// Where a roadmap is made.
-pub(crate) trait Space<const N: usize> {
+pub(crate) trait Space {
+    /// A place in it.
+    type At: Clone;
+
     /// Are connections only checked when a path wants to use them?
     const LAZY: bool;
 
-    fn sample(&self, random: &mut Pcg64Mcg) -> [f64; N];
-    fn distance(&self, a: &[f64; N], b: &[f64; N]) -> f64;
-    fn is_valid(&self, at: &[f64; N]) -> bool;
-    fn is_free(&self, a: &[f64; N], b: &[f64; N]) -> bool;
+    fn sample(&self, random: &mut Pcg64Mcg) -> Self::At;
+    fn distance(&self, a: &Self::At, b: &Self::At) -> f64;
+    fn is_valid(&self, at: &Self::At) -> bool;
+    fn is_free(&self, a: &Self::At, b: &Self::At) -> bool;
 }
 
 struct Edge {
@@ -48,26 +52,27 @@ struct Edge {
 }
 
 /// A way through a roadmap.
-pub(crate) struct Found<const N: usize> {
+pub(crate) struct Found<At> {
     /// Start, the samples between, goal.
-    pub(crate) way: Vec<[f64; N]>,
+    pub(crate) way: Vec<At>,
     /// The edges of the map that are known to be free.
-    pub(crate) edges: Vec<[[f64; N]; 2]>,
+    pub(crate) edges: Vec<[At; 2]>,
 }
 
 /// Start, the samples between, goal; `None` if all samples were in vain. Start and goal must be
 /// valid.
-pub(crate) fn search<const N: usize, S: Space<N>>(
+pub(crate) fn search<S: Space>(
     space: &S,
-    start: [f64; N],
-    goal: [f64; N],
+    start: S::At,
+    goal: S::At,
     sampling: &Sampling,
-) -> Option<Found<N>> {
+    wanted: Wanted<'_>,
+) -> Result<Option<Found<S::At>>, BrokenOff> {
     if space.is_free(&start, &goal) {
-        return Some(Found {
+        return Ok(Some(Found {
             way: vec![start, goal],
             edges: Vec::new(),
-        });
+        }));
     }
     let mut random = Pcg64Mcg::seed_from_u64(sampling.seed);
     let mut map = Map {
@@ -75,37 +80,40 @@ pub(crate) fn search<const N: usize, S: Space<N>>(
         nodes: vec![start, goal],
         edges: vec![Vec::new(), Vec::new()],
         neighbors: sampling.neighbors,
+        wanted,
     };
     let mut sampled = 0;
     while sampled < sampling.most {
         for _ in 0..sampling.batch.max(1) {
             sampled += 1;
+            wanted.check()?;
             let sample = space.sample(&mut random);
             if space.is_valid(&sample) {
                 map.add(sample);
             }
         }
-        if let Some(way) = map.way() {
+        if let Some(way) = map.way()? {
             let nodes = way.into_iter();
-            let way: Option<_> = nodes.map(|node| map.nodes.get(node).copied()).collect();
-            return Some(Found {
-                way: way?,
+            let way = nodes.filter_map(|node| map.nodes.get(node).cloned());
+            return Ok(Some(Found {
+                way: way.collect(),
                 edges: map.free_edges(),
-            });
+            }));
         }
     }
-    None
+    Ok(None)
 }
 
-struct Map<'a, const N: usize, S> {
+struct Map<'a, S: Space> {
     space: &'a S,
-    nodes: Vec<[f64; N]>,
+    nodes: Vec<S::At>,
     edges: Vec<Vec<Edge>>,
     neighbors: usize,
+    wanted: Wanted<'a>,
 }
 
-impl<const N: usize, S: Space<N>> Map<'_, N, S> {
-    fn add(&mut self, sample: [f64; N]) {
+impl<S: Space> Map<'_, S> {
+    fn add(&mut self, sample: S::At) {
         let mut near: Vec<(f64, usize)> = self
             .nodes
             .iter()
@@ -144,21 +152,21 @@ impl<const N: usize, S: Space<N>> Map<'_, N, S> {
         self.edges.push(own);
     }
 
-    fn free_edges(&self) -> Vec<[[f64; N]; 2]> {
+    fn free_edges(&self) -> Vec<[S::At; 2]> {
         let nodes = self.nodes.iter().zip(&self.edges).enumerate();
         let edges = nodes.flat_map(|(index, (node, edges))| {
             // Each edge is kept at both its ends.
             let once = edges.iter().filter(move |edge| edge.to < index);
             let free = once.filter(|edge| edge.free == Some(true));
-            free.filter_map(|edge| Some([*self.nodes.get(edge.to)?, *node]))
+            free.filter_map(|edge| Some([self.nodes.get(edge.to)?.clone(), node.clone()]))
         });
         edges.collect()
     }
 
     /// The shortest way from node 0 to node 1 whose edges are all free.
-    fn way(&mut self) -> Option<Vec<usize>> {
+    fn way(&mut self) -> Result<Option<Vec<usize>>, BrokenOff> {
         loop {
-            let way = shortest(
+            let Some(way) = shortest(
                 self.nodes.len(),
                 0,
                 1,
@@ -171,13 +179,16 @@ impl<const N: usize, S: Space<N>> Map<'_, N, S> {
                     (Some(node), Some(goal)) => self.space.distance(node, goal),
                     _ => 0.0,
                 },
-            )?;
+            ) else {
+                return Ok(None);
+            };
             let mut free = true;
             for (&a, &b) in way.iter().zip(way.iter().skip(1)) {
+                self.wanted.check()?;
                 free &= self.check(a, b);
             }
             if free {
-                return Some(way);
+                return Ok(Some(way));
             }
         }
     }

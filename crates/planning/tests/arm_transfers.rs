@@ -7,17 +7,24 @@
     reason = "the helpers of tests, too, may fail loudly"
 )]
 
-use kinematics::{ArmModel, Axis, PendantJoints, Pose, Xyzwpr};
-use planning::Sampling;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use kinematics::serial::{JointValues, SerialArm, SerialError};
+use kinematics::{Pose, Xyzwpr};
 use planning::arm::{
-    ArmError, ArmPath, ArmShape, Capsule, Obstacle, Scene, Touch, Touched, transfer,
+    ArmError, ArmPath, ArmShape, Capsule, Obstacle, Scene, Touch, Touched, Workplace,
 };
+use planning::{Sampling, Wanted};
 use units::{Degrees, Millimeters};
 
 const MARGIN: Millimeters = Millimeters(20.0);
 
-fn arm() -> &'static ArmModel {
-    ArmModel::builtin("fanuc-m20ia").unwrap()
+fn arm() -> &'static SerialArm {
+    SerialArm::builtin("fanuc-m20ia").unwrap()
+}
+
+fn joints(degrees: [f64; 6]) -> JointValues {
+    arm().joints(&degrees).unwrap()
 }
 
 fn shape() -> ArmShape {
@@ -64,27 +71,35 @@ fn ten_obstacles() -> Vec<Obstacle> {
     ]
 }
 
-fn start_and_goal() -> (PendantJoints, PendantJoints) {
+fn start_and_goal() -> (JointValues, JointValues) {
     (
-        PendantJoints::from_degrees([45.0, 20.0, -20.0, 0.0, -70.0, 0.0]),
-        PendantJoints::from_degrees([-45.0, 20.0, -20.0, 0.0, -70.0, 0.0]),
+        joints([45.0, 20.0, -20.0, 0.0, -70.0, 0.0]),
+        joints([-45.0, 20.0, -20.0, 0.0, -70.0, 0.0]),
     )
+}
+
+fn among<'a>(shape: &'a ArmShape, scene: &'a Scene, margin: Millimeters) -> Workplace<'a> {
+    Workplace {
+        arm: arm(),
+        shape,
+        scene,
+        margin,
+    }
 }
 
 /// A transfer that does not move: is the arm free there?
 fn stand(
     shape: &ArmShape,
     scene: &Scene,
-    joints: &PendantJoints,
+    joints: &JointValues,
     margin: f64,
 ) -> Result<ArmPath, ArmError> {
-    let sampling = Sampling::default();
     let margin = Millimeters(margin);
-    transfer(arm(), shape, scene, joints, joints, margin, &sampling)
+    among(shape, scene, margin).transfer(joints, joints, &Sampling::default(), Wanted::ALWAYS)
 }
 
 /// What is touched at the start.
-fn touch_at(shape: &ArmShape, scene: &Scene, joints: &PendantJoints, margin: f64) -> Touch {
+fn touch_at(shape: &ArmShape, scene: &Scene, joints: &JointValues, margin: f64) -> Touch {
     match stand(shape, scene, joints, margin).unwrap_err() {
         ArmError::Touches {
             end: "start",
@@ -100,7 +115,7 @@ fn plan(scene: &Scene, seed: u64) -> Result<ArmPath, ArmError> {
         seed,
         ..Sampling::default()
     };
-    transfer(arm(), &shape(), scene, &start, &goal, MARGIN, &sampling)
+    among(&shape(), scene, MARGIN).transfer(&start, &goal, &sampling, Wanted::ALWAYS)
 }
 
 #[test]
@@ -117,8 +132,9 @@ fn the_capsules_end_where_the_forward_kinematics_ends() {
         [0.0, 0.0, 0.0, 0.0, -90.0, 0.0],
         [30.0, -20.0, 40.0, 50.0, -60.0, 70.0],
     ] {
-        let joints = PendantJoints::from_degrees(degrees);
-        let p = arm().forward(&joints).isometry().translation.vector;
+        let joints = joints(degrees);
+        let p = arm().forward(&joints).unwrap();
+        let p = p.isometry().translation.vector;
         // The face of the box is 40 above the flange: 35 from the ball.
         let scene = Scene::try_new(&[cuboid([p.x, p.y, p.z + 50.0], [20.0; 3])]).unwrap();
         assert!(stand(&flange_only, &scene, &joints, 34.9).is_ok());
@@ -161,7 +177,7 @@ fn a_transfer_among_ten_obstacles_succeeds_with_every_seed() {
     for seed in 0..100 {
         let path = plan(&scene, seed).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
         let points = path.points();
-        assert_eq!((points[0], points[points.len() - 1]), (start, goal));
+        assert_eq!((&points[0], &points[points.len() - 1]), (&start, &goal));
         assert!(points.len() > 2);
         lengths.push(path.length_deg());
         if seed < 5 {
@@ -185,12 +201,9 @@ fn touches_nothing(path: &ArmPath, scene: &Scene) {
 
 fn is_free_all_the_way(path: &ArmPath, shape: &ArmShape, scene: &Scene) {
     for pair in path.points().windows(2) {
-        let (a, b) = (pair[0].degrees(), pair[1].degrees());
         for step in 0..=400 {
-            let share = f64::from(step) / 400.0;
-            let joints: [f64; 6] = std::array::from_fn(|i| a[i] + share * (b[i] - a[i]));
-            let joints = PendantJoints::from_degrees(joints);
-            assert!(arm().check_limits(&joints).is_ok());
+            let joints = pair[0].toward(&pair[1], f64::from(step) / 400.0);
+            assert!(arm().check_ranges(&joints).unwrap().is_empty());
             let here = stand(shape, scene, &joints, 1.0);
             assert!(here.is_ok(), "{}", here.unwrap_err());
         }
@@ -203,12 +216,23 @@ fn nothing() -> Scene {
 
 #[test]
 fn every_arm_that_can_be_planned_for_has_a_shape() {
-    for name in ArmModel::builtin_names() {
-        let arm = ArmModel::builtin(name).unwrap();
-        let shape = ArmShape::of_model(arm).unwrap();
-        assert_eq!(shape.capsules(), arm.capsules());
-        let (home, sampling) = (arm.home(), Sampling::default());
-        let here = transfer(arm, &shape, &nothing(), &home, &home, MARGIN, &sampling);
+    for arm in SerialArm::catalog() {
+        let name = arm.name();
+        let shape = if arm.capsules().is_empty() {
+            ArmShape::skeleton(arm, Millimeters(20.0)).unwrap()
+        } else {
+            let own = ArmShape::of_model(arm).unwrap();
+            assert_eq!(own.capsules(), arm.capsules());
+            own
+        };
+        let (scene, home) = (nothing(), arm.home());
+        let place = Workplace {
+            arm,
+            shape: &shape,
+            scene: &scene,
+            margin: MARGIN,
+        };
+        let here = place.transfer(&home, &home, &Sampling::default(), Wanted::ALWAYS);
         assert!(here.is_ok(), "{name}: {}", here.unwrap_err());
     }
 }
@@ -217,7 +241,7 @@ fn every_arm_that_can_be_planned_for_has_a_shape() {
 fn a_model_file_without_capsules_has_no_shape() {
     let text = include_str!("../../kinematics/models/fanuc_m20ia.toml");
     let bare = text.split("[[capsules]]").next().unwrap();
-    let error = ArmShape::of_model(&ArmModel::from_toml(bare).unwrap()).unwrap_err();
+    let error = ArmShape::of_model(&SerialArm::from_toml(bare).unwrap()).unwrap_err();
     assert!(matches!(error, ArmError::Capsules { count: 0, .. }));
 }
 
@@ -227,7 +251,7 @@ fn an_arm_folded_into_its_foot_is_refused() {
     // and 790 cos 70, the forearm's axis begins 250 beside it and points 70 degrees down for 835:
     // the wrist is at (-71.847, -428.943). From there to the lower end of the foot, (0, -375), it
     // is 85.964 across the forearm's axis; less the radii 150 and 70 that is -134.036.
-    let folded = PendantJoints::from_degrees([0.0, -70.0, -70.0, 0.0, -90.0, 0.0]);
+    let folded = joints([0.0, -70.0, -70.0, 0.0, -90.0, 0.0]);
     let shape = ArmShape::of_model(arm()).unwrap();
     let touch = touch_at(&shape, &nothing(), &folded, 20.0);
     assert_eq!((touch.capsule, touch.obstacle), (1, Touched::Capsule(7)));
@@ -252,7 +276,7 @@ fn a_tool_is_kept_from_the_arm() {
     };
     let bare = ArmShape::of_model(arm()).unwrap();
     let shape = bare.with(arm(), &[hook]).unwrap();
-    let tool_at = |j5: f64| PendantJoints::from_degrees([0.0, 0.0, 0.0, 0.0, j5, 0.0]);
+    let tool_at = |j5: f64| joints([0.0, 0.0, 0.0, 0.0, j5, 0.0]);
     assert!(stand(&shape, &nothing(), &tool_at(-90.0), 20.0).is_ok());
     assert!(stand(&bare, &nothing(), &tool_at(-140.0), 20.0).is_ok());
     // The tool's near end is at 250 from the wrist center, 40 degrees off the forearm's axis:
@@ -297,19 +321,18 @@ fn the_arm_finds_a_way_around_itself() {
         radius: 30.0,
     };
     let shape = shape.with(arm(), &[tool]).unwrap();
-    let start = PendantJoints::from_degrees([0.0, 0.0, 0.0, 0.0, -90.0, 0.0]);
-    let goal = PendantJoints::from_degrees([0.0, 0.0, 0.0, 0.0, -90.0, -180.0]);
-    let on_the_way = |share: f64| {
-        let (a, b) = (start.degrees(), goal.degrees());
-        PendantJoints::from_degrees(std::array::from_fn(|i| a[i] + share * (b[i] - a[i])))
-    };
+    let start = joints([0.0, 0.0, 0.0, 0.0, -90.0, 0.0]);
+    let goal = joints([0.0, 0.0, 0.0, 0.0, -90.0, -180.0]);
+    let on_the_way = |share: f64| start.toward(&goal, share);
     let blocked = (0..=100)
         .map(|step| on_the_way(f64::from(step) / 100.0))
         .filter(|joints| stand(&shape, &nothing(), joints, 20.0).is_err())
         .count();
     println!("{blocked} of 101 points of the straight way touch the arm itself");
-    let sampling = Sampling::default();
-    let path = transfer(arm(), &shape, &nothing(), &start, &goal, MARGIN, &sampling).unwrap();
+    let (scene, sampling) = (nothing(), Sampling::default());
+    let place = among(&shape, &scene, MARGIN);
+    let path = place.transfer(&start, &goal, &sampling, Wanted::ALWAYS);
+    let path = path.unwrap();
     assert!(blocked > 0 && path.points().len() > 2);
     is_free_all_the_way(&path, &shape, &nothing());
 }
@@ -357,7 +380,8 @@ fn bad_input_is_refused_by_name() {
         capsule(7, 1.0),
         ArmError::Link {
             capsule: 1,
-            link: 7
+            link: 7,
+            last: 6
         }
     );
     assert!(matches!(
@@ -371,30 +395,98 @@ fn bad_input_is_refused_by_name() {
 
     let scene = Scene::try_new(&ten_obstacles()).unwrap();
     let (start, goal) = start_and_goal();
-    let refused = |start: PendantJoints, goal: PendantJoints, margin: f64| {
-        let (margin, sampling) = (Millimeters(margin), Sampling::default());
-        transfer(arm(), &shape(), &scene, &start, &goal, margin, &sampling).unwrap_err()
+    let refused = |start: &JointValues, goal: &JointValues, margin: f64| {
+        let (shape, sampling) = (shape(), Sampling::default());
+        let place = among(&shape, &scene, Millimeters(margin));
+        let refused = place.transfer(start, goal, &sampling, Wanted::ALWAYS);
+        refused.unwrap_err()
     };
-    let beyond = PendantJoints::from_degrees([171.0, 0.0, 0.0, 0.0, -90.0, 0.0]);
-    match refused(beyond, goal, 20.0) {
+    let beyond = joints([171.0, 0.0, 0.0, 0.0, -90.0, 0.0]);
+    match refused(&beyond, &goal, 20.0) {
         ArmError::Limits {
             end: "start",
-            violations,
-        } => assert_eq!(violations.worst().unwrap().joint, Axis::J1),
+            outside,
+        } => assert_eq!(outside.joint, "J1"),
         other => panic!("{other}"),
     }
-    let nan = PendantJoints::from_degrees([0.0, f64::NAN, 0.0, 0.0, -90.0, 0.0]);
+    let nan = arm().joints(&[0.0, f64::NAN, 0.0, 0.0, -90.0, 0.0]);
+    assert!(matches!(nan, Err(SerialError::NotAValue { .. })));
+    let scara = SerialArm::builtin("scara").unwrap().home();
     assert!(matches!(
-        refused(start, nan, 20.0),
-        ArmError::NotFinite { end: "goal", .. }
+        refused(&start, &scara, 20.0),
+        ArmError::Joints { end: "goal", .. }
     ));
-    let inside = PendantJoints::from_degrees([0.0, 20.0, -20.0, 0.0, -70.0, 0.0]);
+    let inside = joints([0.0, 20.0, -20.0, 0.0, -70.0, 0.0]);
     assert!(matches!(
-        refused(start, inside, 20.0),
+        refused(&start, &inside, 20.0),
         ArmError::Touches { end: "goal", .. }
     ));
     assert!(matches!(
-        refused(start, goal, f64::NAN),
+        refused(&start, &goal, f64::NAN),
         ArmError::Margin { .. }
     ));
+}
+
+/// A SCARA's quill goes up, over a wall and down again: its capsule moves as far as it slides.
+#[test]
+fn an_arm_that_slides_goes_over_a_wall() {
+    let arm = SerialArm::builtin("scara").unwrap();
+    let shape = ArmShape::skeleton(arm, Millimeters(20.0)).unwrap();
+    let at = |j1: f64, z: f64| arm.joints(&[j1, 30.0, z, 0.0]).unwrap();
+    let (start, goal) = (at(-40.0, 150.0), at(40.0, 150.0));
+    // The tool hangs at 400 - 20 - z = 230 mm; the wall is as high as 280, from near the column to beyond the reach.
+    let wall = cuboid([430.0, 0.0, 140.0], [740.0, 20.0, 280.0]);
+    let scene = Scene::try_new(&[wall]).unwrap();
+    let place = Workplace {
+        arm,
+        shape: &shape,
+        scene: &scene,
+        margin: MARGIN,
+    };
+    for seed in 0..20 {
+        let sampling = Sampling {
+            seed,
+            ..Sampling::default()
+        };
+        let path = place.transfer(&start, &goal, &sampling, Wanted::ALWAYS);
+        let path = path.unwrap();
+        assert!(path.points().len() > 2 && path.length_mm() > 50.0, "{seed}");
+        for pair in path.points().windows(2) {
+            for step in 0..=200 {
+                let joints = pair[0].toward(&pair[1], f64::from(step) / 200.0);
+                let here = Workplace {
+                    margin: Millimeters(1.0),
+                    ..place
+                };
+                let here = here.transfer(&joints, &joints, &Sampling::default(), Wanted::ALWAYS);
+                assert!(here.is_ok(), "seed {seed}: {}", here.unwrap_err());
+            }
+        }
+    }
+}
+
+#[test]
+fn a_transfer_that_nobody_waits_for_is_broken_off() {
+    // A closed wall around the base: every sample is in vain.
+    let scene = Scene::try_new(&[
+        cuboid([600.0, 0.0, 0.0], [50.0, 3000.0, 4000.0]),
+        cuboid([-600.0, 0.0, 0.0], [50.0, 3000.0, 4000.0]),
+    ]);
+    let (scene, shape) = (
+        scene.unwrap(),
+        ArmShape::skeleton(arm(), Millimeters(5.0)).unwrap(),
+    );
+    let start = joints([90.0, 0.0, 0.0, 0.0, -90.0, 0.0]);
+    let goal = joints([-90.0, 0.0, 0.0, 0.0, -90.0, 0.0]);
+    let asked = AtomicU32::new(0);
+    let still = || asked.fetch_add(1, Ordering::Relaxed) < 50;
+    let place = among(&shape, &scene, MARGIN);
+    let end = place.transfer(
+        &start,
+        &goal,
+        &Sampling::default(),
+        Wanted::while_true(&still),
+    );
+    assert!(matches!(end, Err(ArmError::BrokenOff(_))), "{end:?}");
+    assert_eq!(asked.into_inner(), 51);
 }

@@ -6,9 +6,12 @@
     reason = "the helpers of tests, too, may fail loudly"
 )]
 
+use kinematics::serial::{SerialArm, Task};
 use kinematics::{ArmModel, Axis, Frames, IkError, PendantJoints, Pose, Seed, Xyzwpr};
+use planning::Wanted;
 use planning::cartesian::{
-    Demands, Extent, PathError, ToolError, ToolFollower, ToolLimits, ToolMove, ToolPath,
+    Demands, Extent, PathError, Sample, SolvedArm, Solver, ToolError, ToolFollower, ToolLimits,
+    ToolMove, ToolMoveError, ToolPath,
 };
 use planning::jerk::{MotionLimits, Progress};
 use units::{Degrees, Millimeters, MmPerSec, MmPerSec2, RadPerSec};
@@ -49,23 +52,48 @@ fn joints(at: &Pose) -> PendantJoints {
 
 fn go(path: &ToolPath, limits: &ToolLimits) -> Result<ToolMove, ToolError> {
     let start = joints(&path.pose_at(0.0).unwrap());
-    ToolMove::try_new(arm(), &Frames::default(), path, limits, &start, 0.008)
+    go_from(path, limits, &start, 0.008)
+}
+
+fn go_from(
+    path: &ToolPath,
+    limits: &ToolLimits,
+    start: &PendantJoints,
+    period: f64,
+) -> Result<ToolMove, ToolError> {
+    let serial = SerialArm::builtin("fanuc-m20ia").unwrap();
+    let solved = SolvedArm {
+        arm: serial,
+        frames: &Frames::default(),
+        solver: Solver::ClosedForm(arm()),
+    };
+    let start = serial.joints(&start.degrees()).unwrap();
+    let planned = ToolMove::try_new(&solved, path, limits, &start, period, Wanted::ALWAYS);
+    planned.map_err(|error| match error {
+        ToolMoveError::Tool(error) => error,
+        other => panic!("{other}"),
+    })
+}
+
+fn pendant(sample: &Sample) -> PendantJoints {
+    PendantJoints::from_radians(sample.joints.as_slice().try_into().unwrap())
 }
 
 /// Every sample on the path, every joint within its limits, speed and acceleration.
 fn keeps_its_promises(plan: &ToolMove, path: &ToolPath) {
     let samples = plan.samples();
     for sample in samples {
-        assert!(arm().check_limits(&sample.joints).is_ok());
+        let joints = pendant(sample);
+        assert!(arm().check_limits(&joints).is_ok());
         let (distance, angle) = arm()
-            .forward(&sample.joints)
+            .forward(&joints)
             .distance_to(&path.pose_at(sample.parameter).unwrap());
         assert!(distance.0 < 1e-6 && angle.0 < 1e-8, "{distance} {angle}");
     }
     for joint in Axis::ALL {
         let speeds: Vec<f64> = samples
             .windows(2)
-            .map(|pair| (pair[1].joints.of(joint).0 - pair[0].joints.of(joint).0) / 0.008)
+            .map(|pair| (pendant(&pair[1]).of(joint).0 - pendant(&pair[0]).of(joint).0) / 0.008)
             .collect();
         for speed in &speeds {
             assert!(speed.abs() <= arm().max_speed(joint).0);
@@ -93,7 +121,7 @@ fn a_line_takes_the_time_of_its_profile_and_stays_straight() {
     assert!((plan.slowed() - 1.0).abs() < 1e-12 && plan.limited_by().is_none());
     keeps_its_promises(&plan, &path);
     for sample in plan.samples() {
-        let [x, _, z] = position(&arm().forward(&sample.joints));
+        let [x, _, z] = position(&arm().forward(&pendant(sample)));
         assert!((x - 985.0).abs() < 1e-6 && (z - 800.0).abs() < 1e-6);
     }
 }
@@ -291,14 +319,12 @@ fn bad_input_is_refused_by_name() {
         );
     }
     let elsewhere = arm().home();
-    let refused = ToolMove::try_new(arm(), &Frames::default(), &path, &LIMITS, &elsewhere, 0.008)
-        .unwrap_err();
+    let refused = go_from(&path, &LIMITS, &elsewhere, 0.008).unwrap_err();
     assert!(
         matches!(refused, ToolError::StartElsewhere { .. }),
         "{refused}"
     );
-    let refused =
-        ToolMove::try_new(arm(), &Frames::default(), &path, &LIMITS, &joints(&a), 0.0).unwrap_err();
+    let refused = go_from(&path, &LIMITS, &joints(&a), 0.0).unwrap_err();
     assert!(matches!(refused, ToolError::Period { .. }), "{refused}");
 }
 
@@ -352,4 +378,34 @@ fn a_wrist_on_its_own_way_passes_its_singularity_with_the_tool_in_its_place() {
         assert!((before.of(Axis::J5).0 - (-40.0 + 80.0 * to)).abs() < 1e-9);
     }
     assert_eq!(before, goal);
+}
+
+/// The search knows nothing of the closed form, and finds the same joints.
+#[test]
+fn a_search_follows_as_the_closed_form_does() {
+    let serial = SerialArm::builtin("fanuc-m20ia").unwrap();
+    let (a, b) = (
+        pose(900.0, -200.0, 700.0, [170.0, 10.0, 20.0]),
+        pose(1000.0, 300.0, 500.0, [175.0, -20.0, 60.0]),
+    );
+    let path = ToolPath::line(&a, &b).unwrap();
+    let start = serial.joints(&joints(&a).degrees()).unwrap();
+    let frames = Frames::default();
+    let plan = |solver| {
+        let solved = SolvedArm {
+            arm: serial,
+            frames: &frames,
+            solver,
+        };
+        ToolMove::try_new(&solved, &path, &LIMITS, &start, 0.02, Wanted::ALWAYS).unwrap()
+    };
+    let exact = plan(Solver::ClosedForm(arm()));
+    let searched = plan(Solver::Search(Task::Pose));
+    assert_eq!(exact.samples().len(), searched.samples().len());
+    for (a, b) in exact.samples().iter().zip(searched.samples()) {
+        let pairs = a.joints.as_slice().iter().zip(b.joints.as_slice());
+        for (a, b) in pairs {
+            assert!((a - b).abs() < 1e-8, "{a} {b}");
+        }
+    }
 }

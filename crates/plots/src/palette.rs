@@ -6,17 +6,6 @@ use plotters::style::RGBColor;
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub struct Color(pub(crate) RGBColor);
 
-const SERIES: [RGBColor; 8] = [
-    RGBColor(0x00, 0x72, 0xb2),
-    RGBColor(0xd5, 0x5e, 0x00),
-    RGBColor(0x00, 0x9e, 0x73),
-    RGBColor(0xe6, 0x9f, 0x00),
-    RGBColor(0xcc, 0x79, 0xa7),
-    RGBColor(0x56, 0xb4, 0xe9),
-    RGBColor(0x1c, 0x20, 0x26),
-    RGBColor(0x8a, 0x7a, 0x1f),
-];
-
 impl Color {
     /// Blue: what the drawing is about.
     pub const MAIN: Self = Self(RGBColor(0x00, 0x72, 0xb2));
@@ -45,15 +34,22 @@ impl Color {
     /// Very light gray: the lines of a grid.
     pub(crate) const GRID: Self = Self(RGBColor(0xe6, 0xe9, 0xed));
 
+    const SERIES: [Self; 8] = [
+        Self::MAIN,
+        Self::LIMIT,
+        Self::START,
+        Self(RGBColor(0xe6, 0x9f, 0x00)),
+        Self(RGBColor(0xcc, 0x79, 0xa7)),
+        Self(RGBColor(0x56, 0xb4, 0xe9)),
+        Self::INK,
+        Self(RGBColor(0x8a, 0x7a, 0x1f)),
+    ];
+
     /// The color of the `index`-th of several series; after eight they come again.
     #[must_use]
     pub fn of(index: usize) -> Self {
-        Self(
-            SERIES
-                .get(index % SERIES.len())
-                .copied()
-                .unwrap_or(Self::INK.0),
-        )
+        let color = Self::SERIES.get(index % Self::SERIES.len());
+        color.copied().unwrap_or(Self::INK)
     }
 }
 

@@ -177,7 +177,7 @@ impl Arm {
         }
     }
 
-    fn index(&self, name: &str) -> usize {
+    pub(crate) fn index(&self, name: &str) -> usize {
         let mut joints = self.serial.joint_list().iter();
         joints.position(|joint| joint.name == name).unwrap_or(0)
     }

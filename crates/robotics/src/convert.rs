@@ -24,14 +24,10 @@ pub fn shown(value: f64) -> f64 {
 /// A pose as a body, numbers as people read them.
 #[must_use]
 pub fn pose_body(point: &Xyzwpr) -> PoseBody {
-    PoseBody {
-        x_mm: shown(point.x.0),
-        y_mm: shown(point.y.0),
-        z_mm: shown(point.z.0),
-        w_deg: shown(point.w.0),
-        p_deg: shown(point.p.0),
-        r_deg: shown(point.r.0),
-    }
+    let lengths = [point.x, point.y, point.z].map(|length| length.0);
+    let angles = [point.w, point.p, point.r].map(|angle| angle.0);
+    let ([x, y, z], [w, p, r]) = (lengths, angles);
+    [x, y, z, w, p, r].map(shown).into()
 }
 
 /// The numbers of a body, not checked.

@@ -22,6 +22,8 @@
 //! both frames are the identity where the question does not give them. Every number has a bound; what is wrong comes
 //! back as a [`Refusal`] that names the item by its path in the body, its value and its limit.
 //!
+//! What may search for long has a sister, such as [`transfer_while`], that ends when its answer is no longer [`Wanted`].
+//!
 //! ```
 //! use api::arms::ArmForwardBody;
 //!
@@ -46,6 +48,7 @@ mod convert;
 mod describe;
 mod forward;
 mod inverse;
+mod joint_seconds;
 mod reach;
 mod refusal;
 mod route;
@@ -63,10 +66,12 @@ pub use convert::{point_of, pose_body, shown};
 pub use describe::{describe, models};
 pub use forward::forward;
 pub use inverse::{inverse, is_search};
-pub use reach::reach;
+pub use joint_seconds::joint_seconds;
+pub use planning::Wanted;
+pub use reach::{reach, reach_while};
 pub use refusal::{Refusal, RefusalKind};
-pub use route::plan_route;
-pub use tool_path::tool_path;
+pub use route::{plan_route, plan_route_while};
+pub use tool_path::{tool_path, tool_path_while};
 pub use trajectory::trajectory;
-pub use transfer::transfer;
+pub use transfer::{transfer, transfer_while};
 pub use velocity::{jacobian, rates, velocity_motion};

@@ -6,6 +6,7 @@ use api::PoseBody;
 use api::arms::{ArmSolver, ReachBody, ReachGrid, ReachPlane, ReachResult};
 use kinematics::Pose;
 use kinematics::serial::DlsOptions;
+use planning::Wanted;
 
 use crate::arm::{Arm, task_of};
 use crate::convert::{frames_of, pose_at, shown};
@@ -20,6 +21,9 @@ fn most(method: ArmSolver) -> usize {
         ArmSolver::DampedLeastSquares => 2000,
     }
 }
+
+/// Poses that the closed form does between two looks at whether it is wanted: a millisecond.
+const CHUNK: usize = 8192;
 
 /// A search that serves to tell whether there is a way, not to move there.
 const SEARCH: DlsOptions = DlsOptions {
@@ -37,6 +41,18 @@ const SEARCH: DlsOptions = DlsOptions {
 /// # Errors
 /// No such model; a pose, grid, frame or method that is none; more poses than are looked at.
 pub fn reach(model: &str, body: &ReachBody) -> Result<ReachResult, Refusal> {
+    reach_while(model, body, Wanted::ALWAYS)
+}
+
+/// As [`reach`], as long as the answer is `wanted`.
+///
+/// # Errors
+/// As [`reach`]; [`RefusalKind::BrokenOff`].
+pub fn reach_while(
+    model: &str,
+    body: &ReachBody,
+    wanted: Wanted<'_>,
+) -> Result<ReachResult, Refusal> {
     let arm = Arm::named(model)?;
     let method = arm.solver(body.method)?;
     let frames = frames_of(&body.frames)?;
@@ -62,7 +78,7 @@ pub fn reach(model: &str, body: &ReachBody) -> Result<ReachResult, Refusal> {
         task: task_of(task),
         search: SEARCH,
     };
-    let counts = counted(&question, method, &poses)?;
+    let counts = counted(&question, method, &poses, wanted)?;
     Ok(ReachResult {
         method,
         task,
@@ -78,25 +94,28 @@ fn counted(
     question: &Question,
     method: ArmSolver,
     poses: &[Pose],
+    wanted: Wanted<'_>,
 ) -> Result<Vec<(u8, u8)>, Refusal> {
     let arm = &question.arm;
+    let mut counts = Vec::with_capacity(poses.len());
     if let (ArmSolver::ClosedForm, Some(model)) = (method, arm.closed) {
-        let flanges: Vec<Pose> = poses
-            .iter()
-            .map(|X_UT| question.frames.flange_in_world(X_UT))
-            .collect();
-        let map = model
-            .reachability(&flanges, NonZeroUsize::MIN)
-            .map_err(|error| Refusal::invalid("poses", error))?;
-        return Ok(map
-            .iter()
-            .map(|reach| (reach.solutions, reach.inside))
-            .collect());
+        for poses in poses.chunks(CHUNK) {
+            wanted.check().map_err(Refusal::broken_off)?;
+            let flanges: Vec<Pose> = poses
+                .iter()
+                .map(|X_UT| question.frames.flange_in_world(X_UT))
+                .collect();
+            let map = model
+                .reachability(&flanges, NonZeroUsize::MIN)
+                .map_err(|error| Refusal::invalid("poses", error))?;
+            counts.extend(map.iter().map(|reach| (reach.solutions, reach.inside)));
+        }
+        return Ok(counts);
     }
     // A search begins where the one before ended.
     let mut near = arm.serial.home();
-    let mut counts = Vec::with_capacity(poses.len());
     for pose in poses {
+        wanted.check().map_err(Refusal::broken_off)?;
         counts.push(match solve(question, method, &Target::Pose(*pose), &near) {
             Ok(found) => {
                 let inside = found
@@ -172,17 +191,10 @@ fn gridded(grid: &ReachGrid, method: ArmSolver) -> Result<Gridded, Refusal> {
 
 fn place(grid: &ReachGrid, u: f64, v: f64) -> PoseBody {
     let across = grid.across_mm;
-    let (x_mm, y_mm, z_mm) = match grid.plane {
+    let (x, y, z) = match grid.plane {
         ReachPlane::Xy => (u, v, across),
         ReachPlane::Xz => (u, across, v),
         ReachPlane::Yz => (across, u, v),
     };
-    PoseBody {
-        x_mm,
-        y_mm,
-        z_mm,
-        w_deg: grid.w_deg,
-        p_deg: grid.p_deg,
-        r_deg: grid.r_deg,
-    }
+    [x, y, z, grid.w_deg, grid.p_deg, grid.r_deg].into()
 }

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use planning::BrokenOff;
+
 /// What kind of refusal it is.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum RefusalKind {
@@ -17,6 +19,8 @@ pub enum RefusalKind {
     Singular,
     /// There is no way, or none was found within what was allowed.
     NoWay,
+    /// Nobody waited for the answer any more.
+    BrokenOff,
 }
 
 /// Why a question was not answered: the item, its value, its limit.
@@ -84,6 +88,10 @@ impl Refusal {
             max: Some(max),
             ..Self::invalid(path, detail)
         }
+    }
+
+    pub(crate) fn broken_off(error: BrokenOff) -> Self {
+        Self::new(RefusalKind::BrokenOff, "", error)
     }
 
     /// As [`Self::out_of_range`], of an item that an inner check named.

@@ -1,8 +1,8 @@
 //! A disc among polygons.
 
 use api::paths::{PlanRouteBody, PlanRouteResult, RouteCell, RouteMethod};
-use planning::Sampling;
 use planning::plane::{self, Field, Floor, PlaneError, Point, Polygon, Route, Sketch};
+use planning::{Sampling, Wanted};
 
 use crate::convert::shown;
 use crate::refusal::{Refusal, RefusalKind, count_or, length, number, within, within_or};
@@ -24,6 +24,17 @@ const LENGTH_MM: [f64; 2] = [-1e6, 1e6];
 /// Names the obstacle and the corner or edges that are wrong, a start or goal in an obstacle or off the floor with the
 /// distance, or that no path was found and how far it was looked for.
 pub fn plan_route(body: &PlanRouteBody) -> Result<PlanRouteResult, Refusal> {
+    plan_route_while(body, Wanted::ALWAYS)
+}
+
+/// As [`plan_route`], as long as the answer is `wanted`.
+///
+/// # Errors
+/// As [`plan_route`]; [`RefusalKind::BrokenOff`].
+pub fn plan_route_while(
+    body: &PlanRouteBody,
+    wanted: Wanted<'_>,
+) -> Result<PlanRouteResult, Refusal> {
     let floor = floor_of(body)?;
     let (start, goal) = (body.start_mm, body.goal_mm);
     let search = &body.search;
@@ -32,7 +43,7 @@ pub fn plan_route(body: &PlanRouteBody) -> Result<PlanRouteResult, Refusal> {
     let [width, height] = [0, 1].map(|axis| side(&floor, axis));
     let size = width.max(height);
     let route = match method {
-        RouteMethod::Trapezoidal => plane::trapezoids_sketched(&floor, start, goal),
+        RouteMethod::Trapezoidal => plane::trapezoids_sketched(&floor, start, goal, wanted),
         RouteMethod::Quadtree => {
             let resolution = within_or(
                 "search.resolution_mm",
@@ -41,7 +52,7 @@ pub fn plan_route(body: &PlanRouteBody) -> Result<PlanRouteResult, Refusal> {
                 [0.1, 1e5],
                 "mm",
             )?;
-            plane::quadtree_sketched(&floor, start, goal, resolution)
+            plane::quadtree_sketched(&floor, start, goal, resolution, wanted)
         }
         RouteMethod::PotentialField => {
             let usual = Field::default();
@@ -68,7 +79,7 @@ pub fn plan_route(body: &PlanRouteBody) -> Result<PlanRouteResult, Refusal> {
                 seed,
                 ..usual
             };
-            plane::potential_sketched(&floor, start, goal, &field)
+            plane::potential_sketched(&floor, start, goal, &field, wanted)
         }
         RouteMethod::Roadmap => {
             let most = count_or("search.samples", search.samples, 5000, [1, 10_000])?;
@@ -77,7 +88,7 @@ pub fn plan_route(body: &PlanRouteBody) -> Result<PlanRouteResult, Refusal> {
                 most,
                 ..Sampling::default()
             };
-            plane::roadmap_sketched(&floor, start, goal, &sampling)
+            plane::roadmap_sketched(&floor, start, goal, &sampling, wanted)
         }
     };
     let (route, sketch) = route.map_err(|error| plane_refusal(&error, body))?;
@@ -211,6 +222,7 @@ fn plane_refusal(error: &PlaneError, body: &PlanRouteBody) -> Refusal {
         PlaneError::NoPath { .. } | PlaneError::GaveUp { .. } => {
             Refusal::new(RefusalKind::NoWay, "", error)
         }
+        PlaneError::BrokenOff(error) => Refusal::broken_off(*error),
         PlaneError::Polygon(_) | PlaneError::Obstacles { .. } => {
             Refusal::invalid("obstacles", error)
         }

@@ -1,33 +1,48 @@
 //! The tool along a path.
 
-use api::arms::ArmOutside;
+use api::arms::{ArmOutside, ArmTask};
 use api::trajectory::{ToolPathBody, ToolPathFailure, ToolPathKind, ToolPathResult};
-use kinematics::{ArmModel, Axis, IkError, LimitViolations, Pose, Seed};
-use planning::State;
-use planning::cartesian::{Extent, PathError, Sample, ToolError, ToolLimits, ToolMove, ToolPath};
+use kinematics::serial::{DlsOptions, JointValues};
+use kinematics::{IkError, LimitViolations, Pose, Seed};
+use planning::cartesian::{
+    Extent, PathError, Sample, SolvedArm, Solver, ToolError, ToolLimits, ToolMove, ToolMoveError,
+    ToolPath,
+};
 use planning::jerk::MotionLimits;
-use units::{Degrees, MmPerSec, MmPerSec2, RadPerSec};
+use planning::{State, Wanted};
+use units::{MmPerSec, MmPerSec2, RadPerSec};
 
-use crate::arm::Arm;
+use crate::arm::{Arm, task_of};
 use crate::convert::{frames_of, pose_at, pose_body, position_of, shown};
 use crate::refusal::{Refusal, length, within, within_or};
 use crate::sampled::{MOST_SAMPLES, Moment, peaks, samples};
-use crate::transfer::{covered, pendant};
 
 const TOOL: [f64; 2] = [1e-6, 1e6];
 const MOST_POSES: usize = 1000;
 
 /// The joints while the tool goes along a line, an arc, a circle or a spline, with its orientation; inverse kinematics
-/// at every step, the whole move slowed down where a joint would be too fast.
+/// at every step, the whole move slowed down where a joint would be too fast. An arm that the closed form covers is solved
+/// by it; any other one by damped least squares from the step before, as far as its task asks.
 ///
 /// The lectures' 5.2: `q = ikin(H(t))`. Where the arm cannot follow, `failure` says where and why, and there are no
 /// samples.
 ///
 /// # Errors
-/// No such model, or one that the closed form does not cover; a path, limit or start that is none.
+/// No such model; a path, limit or start that is none.
 pub fn tool_path(model: &str, body: &ToolPathBody) -> Result<ToolPathResult, Refusal> {
+    tool_path_while(model, body, Wanted::ALWAYS)
+}
+
+/// As [`tool_path`], as long as the answer is `wanted`.
+///
+/// # Errors
+/// As [`tool_path`]; [`crate::RefusalKind::BrokenOff`].
+pub fn tool_path_while(
+    model: &str,
+    body: &ToolPathBody,
+    wanted: Wanted<'_>,
+) -> Result<ToolPathResult, Refusal> {
     let arm = Arm::named(model)?;
-    let closed = covered(&arm)?;
     let frames = frames_of(&body.frames)?;
     let (path, first) = path(body)?;
     let limits = limits(body)?;
@@ -44,19 +59,27 @@ pub fn tool_path(model: &str, body: &ToolPathBody) -> Result<ToolPathResult, Ref
         peaks: Vec::new(),
         path_mm: path_mm.clone(),
     };
-    let start = if let Some(start) = &body.start_deg {
-        pendant(&arm, "start_deg", start)?
-    } else {
-        let X_WF = frames.flange_in_world(&first);
-        match closed.inverse(&X_WF, Seed::Near(closed.home())) {
-            Ok(solution) => solution.joints,
-            Err(error) => return Ok(failed(unreachable(0.0, Some(&first), &error))),
-        }
+    let task = arm.task(body.task);
+    let solver = match arm.closed {
+        Some(closed) if task == ArmTask::Pose => Solver::ClosedForm(closed),
+        Some(_) | None => Solver::Search(task_of(task)),
     };
-    let planned = ToolMove::try_new(closed, &frames, &path, &limits, &start, period);
+    let solved = SolvedArm {
+        arm: arm.serial,
+        frames: &frames,
+        solver,
+    };
+    let start = match &body.start_deg_mm {
+        Some(start) => arm.joints_inside("start_deg_mm", start)?,
+        None => match beginning(&solved, &first) {
+            Ok(start) => start,
+            Err(failure) => return Ok(failed(failure)),
+        },
+    };
+    let planned = ToolMove::try_new(&solved, &path, &limits, &start, period, wanted);
     let planned = match planned {
         Ok(planned) => planned,
-        Err(error) => return failure(&error).map(failed),
+        Err(error) => return failure(&arm, &error).map(failed),
     };
     let count = planned.samples().len();
     if count > MOST_SAMPLES {
@@ -67,18 +90,40 @@ pub fn tool_path(model: &str, body: &ToolPathBody) -> Result<ToolPathResult, Ref
         return Err(Refusal::invalid("period_s", detail).with_value(period));
     }
     let moments = moments(planned.samples());
-    let limits = joint_limits(closed);
+    let limits = joint_limits(&arm);
     Ok(ToolPathResult {
         feasible: true,
         failure: None,
         joints: names(&arm),
         duration_s: planned.duration(),
         slowed: planned.slowed(),
-        limited_by: planned.limited_by().map(|axis| axis.to_string()),
+        limited_by: planned.limited_by().map(str::to_owned),
         samples: samples(&arm, &arm.serial.with_frames(&frames), &moments),
         peaks: peaks(&arm, &moments, &limits),
         path_mm,
     })
+}
+
+/// The joints at the first pose, those nearest to home.
+fn beginning(solved: &SolvedArm<'_>, X_UT: &Pose) -> Result<JointValues, ToolPathFailure> {
+    let (arm, home) = (solved.arm, solved.arm.home());
+    match solved.solver {
+        Solver::ClosedForm(model) => {
+            let X_WF = solved.frames.flange_in_world(X_UT);
+            let found = model
+                .inverse(&X_WF, Seed::Near(model.home()))
+                .map_err(|error| unreachable(0.0, Some(X_UT), &error))?;
+            arm.joints_from_radians(&found.joints.radians())
+                .map_err(|error| stopped(0.0, Some(X_UT), &error))
+        }
+        Solver::Search(task) => {
+            let framed = arm.with_frames(solved.frames);
+            let found = framed.solve(X_UT, task, &home, &DlsOptions::default());
+            found
+                .map(|found| found.joints)
+                .map_err(|error| stopped(0.0, Some(X_UT), &error))
+        }
+    }
 }
 
 fn names(arm: &Arm) -> Vec<String> {
@@ -166,44 +211,45 @@ fn way(path: &ToolPath) -> Vec<[f64; 3]> {
 
 /// Velocities and accelerations out of the positions, by central differences.
 fn moments(path: &[Sample]) -> Vec<Moment> {
-    let positions: Vec<(f64, [f64; 6])> = path
+    let positions: Vec<(f64, Vec<f64>)> = path
         .iter()
-        .map(|sample| (sample.time, sample.joints.radians()))
+        .map(|sample| (sample.time, sample.joints.as_slice().to_vec()))
         .collect();
     let velocities = slopes(&positions);
-    let timed = |values: &[[f64; 6]]| -> Vec<(f64, [f64; 6])> {
-        let times = positions.iter().map(|(time, _)| *time);
-        times.zip(values.iter().copied()).collect()
-    };
-    let accelerations = slopes(&timed(&velocities));
-    let jerks = slopes(&timed(&accelerations));
+    let accelerations = slopes(&velocities);
+    let jerks = slopes(&accelerations);
     let all = positions
         .iter()
         .zip(velocities)
         .zip(accelerations)
         .zip(jerks);
-    all.map(|((((time, position), velocity), acceleration), jerk)| {
-        let states = position.iter().zip(velocity).zip(acceleration);
-        Moment {
-            time: *time,
-            states: states
-                .map(|((position, velocity), acceleration)| State {
-                    position: *position,
-                    velocity,
-                    acceleration,
-                })
-                .collect(),
-            jerks: jerk.to_vec(),
-        }
-    })
+    all.map(
+        |((((time, position), (_, velocity)), (_, acceleration)), (_, jerks))| {
+            let states = position.iter().zip(velocity).zip(acceleration);
+            Moment {
+                time: *time,
+                states: states
+                    .map(|((position, velocity), acceleration)| State {
+                        position: *position,
+                        velocity,
+                        acceleration,
+                    })
+                    .collect(),
+                jerks,
+            }
+        },
+    )
     .collect()
 }
 
 /// Of each number over time: from the moment before to the one after. The move is at rest at both ends.
-fn slopes(values: &[(f64, [f64; 6])]) -> Vec<[f64; 6]> {
-    let mut slopes = vec![[0.0; 6]; values.len()];
+fn slopes(values: &[(f64, Vec<f64>)]) -> Vec<(f64, Vec<f64>)> {
+    let mut slopes: Vec<(f64, Vec<f64>)> = values
+        .iter()
+        .map(|(time, values)| (*time, vec![0.0; values.len()]))
+        .collect();
     let between = values.iter().zip(values.iter().skip(2));
-    for (slope, ((t0, before), (t1, after))) in slopes.iter_mut().skip(1).zip(between) {
+    for ((_, slope), ((t0, before), (t1, after))) in slopes.iter_mut().skip(1).zip(between) {
         for (slope, (a, b)) in slope.iter_mut().zip(before.iter().zip(after)) {
             *slope = (b - a) / (t1 - t0);
         }
@@ -211,22 +257,34 @@ fn slopes(values: &[(f64, [f64; 6])]) -> Vec<[f64; 6]> {
     slopes
 }
 
-fn joint_limits(arm: &ArmModel) -> Vec<MotionLimits> {
-    Axis::ALL
-        .into_iter()
-        .map(|axis| {
-            let acceleration = arm.max_acceleration(axis).0.to_radians();
-            MotionLimits {
-                velocity: arm.max_speed(axis).0.to_radians(),
-                acceleration,
-                jerk: f64::INFINITY,
-            }
+fn joint_limits(arm: &Arm) -> Vec<MotionLimits> {
+    let joints = arm.serial.joint_list().iter();
+    joints
+        .map(|joint| MotionLimits {
+            velocity: joint.max_speed,
+            acceleration: joint.max_acceleration,
+            jerk: f64::INFINITY,
         })
         .collect()
 }
 
 /// Where the arm cannot follow; a question that makes no sense is refused.
-fn failure(error: &ToolError) -> Result<ToolPathFailure, Refusal> {
+fn failure(arm: &Arm, error: &ToolMoveError) -> Result<ToolPathFailure, Refusal> {
+    let error = match error {
+        ToolMoveError::Tool(error) => error,
+        ToolMoveError::NotReached {
+            parameter,
+            pose,
+            source,
+        } => {
+            return Ok(ToolPathFailure {
+                pose: Some(pose_body(pose)),
+                ..stopped(*parameter, None, source)
+            });
+        }
+        ToolMoveError::Joints(error) => return Err(Refusal::invalid("start_deg_mm", error)),
+        ToolMoveError::BrokenOff(error) => return Err(Refusal::broken_off(*error)),
+    };
     match error {
         ToolError::Unreachable {
             parameter,
@@ -251,12 +309,7 @@ fn failure(error: &ToolError) -> Result<ToolPathFailure, Refusal> {
             outside: Vec::new(),
         }),
         // With the wrist on its own way, which no question asks for.
-        ToolError::Wrist { parameter } => Ok(ToolPathFailure {
-            parameter: shown(*parameter),
-            pose: None,
-            reason: error.to_string(),
-            outside: Vec::new(),
-        }),
+        ToolError::Wrist { parameter } => Ok(stopped(*parameter, None, error)),
         ToolError::WristLimits {
             parameter,
             violations,
@@ -279,10 +332,9 @@ fn failure(error: &ToolError) -> Result<ToolPathFailure, Refusal> {
             outside: Vec::new(),
         }),
         ToolError::StartElsewhere { joint, is, begins } => {
-            let index = Axis::ALL.iter().position(|axis| axis == joint).unwrap_or(0);
-            let Degrees(value) = is;
+            let index = arm.index(joint);
             let detail = format!("{joint} is at {is:.3}, the path begins at {begins:.3}");
-            Err(Refusal::invalid(format!("start_deg[{index}]"), detail).with_value(*value))
+            Err(Refusal::invalid(format!("start_deg_mm[{index}]"), detail).with_value(is.value))
         }
         ToolError::Path(error) => Err(path_refusal(error)),
         ToolError::TooLong { .. } | ToolError::Period { .. } => {
@@ -294,6 +346,15 @@ fn failure(error: &ToolError) -> Result<ToolPathFailure, Refusal> {
     }
 }
 
+fn stopped(parameter: f64, pose: Option<&Pose>, why: &dyn std::error::Error) -> ToolPathFailure {
+    ToolPathFailure {
+        parameter: shown(parameter),
+        pose: pose.map(|pose| pose_body(&pose.xyzwpr())),
+        reason: why.to_string(),
+        outside: Vec::new(),
+    }
+}
+
 fn unreachable(parameter: f64, pose: Option<&Pose>, error: &IkError) -> ToolPathFailure {
     let outside = match error {
         IkError::JointLimit { violations, .. } => outside(violations),
@@ -302,10 +363,8 @@ fn unreachable(parameter: f64, pose: Option<&Pose>, error: &IkError) -> ToolPath
         | IkError::NotFinite(_) => Vec::new(),
     };
     ToolPathFailure {
-        parameter: shown(parameter),
-        pose: pose.map(|pose| pose_body(&pose.xyzwpr())),
-        reason: error.to_string(),
         outside,
+        ..stopped(parameter, pose, error)
     }
 }
 

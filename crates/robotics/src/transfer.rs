@@ -1,10 +1,10 @@
 //! An arm among obstacles.
 
 use api::arms::{ArmCapsule, ArmObstacle, ArmTransferBody, ArmTransferResult};
-use kinematics::serial::SerialError;
-use kinematics::{ArmModel, PendantJoints, Pose};
-use planning::Sampling;
-use planning::arm::{self as planner, ArmError, ArmShape, Capsule, Obstacle, Scene};
+use kinematics::Pose;
+use kinematics::serial::{JointKind, JointValues, SerialError};
+use planning::arm::{ArmError, ArmShape, Capsule, Obstacle, Scene, Workplace};
+use planning::{Sampling, Wanted};
 use units::Millimeters;
 
 use crate::arm::Arm;
@@ -24,13 +24,24 @@ const PARTS: u32 = 16;
 /// is less, between capsules that are not on neighboring links and do not touch at home.
 ///
 /// # Errors
-/// No such model, or one that the closed form does not cover; joints outside their ranges; a start or goal that
+/// No such model; joints outside their ranges; a start or goal that
 /// touches an obstacle or the arm itself, with capsule, obstacle and distance; a size that is none; no way after all samples.
 pub fn transfer(model: &str, body: &ArmTransferBody) -> Result<ArmTransferResult, Refusal> {
+    transfer_while(model, body, Wanted::ALWAYS)
+}
+
+/// As [`transfer`], as long as the answer is `wanted`.
+///
+/// # Errors
+/// As [`transfer`]; [`RefusalKind::BrokenOff`].
+pub fn transfer_while(
+    model: &str,
+    body: &ArmTransferBody,
+    wanted: Wanted<'_>,
+) -> Result<ArmTransferResult, Refusal> {
     let arm = Arm::named(model)?;
-    let closed = covered(&arm)?;
-    let start = pendant(&arm, "start_deg", &body.start_deg)?;
-    let goal = pendant(&arm, "goal_deg", &body.goal_deg)?;
+    let start = arm.joints_inside("start_deg_mm", &body.start_deg_mm)?;
+    let goal = arm.joints_inside("goal_deg_mm", &body.goal_deg_mm)?;
     let margin = within_or("margin_mm", body.margin_mm, 20.0, [5.0, 1000.0], "mm")?;
     let most = count_or("samples", body.samples, 5000, [1, 10_000])?;
     let capsules = capsules(&arm, body)?;
@@ -40,7 +51,7 @@ pub fn transfer(model: &str, body: &ArmTransferBody) -> Result<ArmTransferResult
         to: capsule.to_mm,
         radius: capsule.radius_mm,
     });
-    let shape = ArmShape::try_new(closed, shape.collect())
+    let shape = ArmShape::try_new(arm.serial, shape.collect())
         .map_err(|error| Refusal::invalid("capsules", error))?;
     let scene = scene(body)?;
     let sampling = Sampling {
@@ -48,52 +59,35 @@ pub fn transfer(model: &str, body: &ArmTransferBody) -> Result<ArmTransferResult
         most,
         ..Sampling::default()
     };
-    let path = planner::transfer(
-        closed,
-        &shape,
-        &scene,
-        &start,
-        &goal,
-        Millimeters(margin),
-        &sampling,
-    )
-    .map_err(|error| refused(&error))?;
+    let workplace = Workplace {
+        arm: arm.serial,
+        shape: &shape,
+        scene: &scene,
+        margin: Millimeters(margin),
+    };
+    let path = workplace.transfer(&start, &goal, &sampling, wanted);
+    let path = path.map_err(|error| refused(&error))?;
     let points = path.points();
     let mut placed = Vec::new();
-    for point in points {
-        let joints = arm.joints("", &point.degrees())?;
-        let frames = arm
-            .serial
-            .frames(&joints)
-            .map_err(|error: SerialError| Refusal::invalid("", error))?;
+    for joints in points {
+        let frames = arm.serial.frames(joints).map_err(of_another_arm)?;
         placed.push(shape::placed(&capsules, &frames));
     }
+    let joints = arm.serial.joint_list();
+    let slides = joints
+        .iter()
+        .any(|joint| joint.kind == JointKind::Prismatic);
     Ok(ArmTransferResult {
-        points_deg: points
-            .iter()
-            .map(|point| point.degrees().map(shown).to_vec())
-            .collect(),
+        points_deg_mm: points.iter().map(|point| arm.shown(point)).collect(),
         length_deg: shown(path.length_deg()),
-        flange_mm: flange_way(closed, points),
+        length_mm: slides.then(|| shown(path.length_mm())),
+        flange_mm: flange_way(&arm, points)?,
         capsules: placed,
     })
 }
 
-/// The closed form's model, of an arm that has one.
-pub(crate) fn covered(arm: &Arm) -> Result<&'static ArmModel, Refusal> {
-    arm.closed.ok_or_else(|| {
-        let names = ArmModel::builtin_names().join(", ");
-        let detail = format!(
-            "this is done for arms with a closed form only ({names}), not for {}",
-            arm.name()
-        );
-        Refusal::invalid("", detail)
-    })
-}
-
-pub(crate) fn pendant(arm: &Arm, path: &str, degrees: &[f64]) -> Result<PendantJoints, Refusal> {
-    let _ = arm.joints_inside(path, degrees)?;
-    Arm::pendant(degrees).ok_or_else(|| Refusal::invalid(path, "six joint values are needed"))
+fn of_another_arm(error: SerialError) -> Refusal {
+    Refusal::invalid("", error)
 }
 
 fn capsules(arm: &Arm, body: &ArmTransferBody) -> Result<Vec<ArmCapsule>, Refusal> {
@@ -160,9 +154,10 @@ fn scene(body: &ArmTransferBody) -> Result<Scene, Refusal> {
         | ArmError::Link { .. }
         | ArmError::Obstacles { .. }
         | ArmError::Margin { .. }
-        | ArmError::NotFinite { .. }
+        | ArmError::Joints { .. }
         | ArmError::Limits { .. }
         | ArmError::Touches { .. }
+        | ArmError::BrokenOff(_)
         | ArmError::GaveUp { .. } => Refusal::invalid("obstacles", &error),
     })
 }
@@ -208,12 +203,13 @@ fn refused(error: &ArmError) -> Refusal {
     match error {
         ArmError::Touches { end, touch } => Refusal {
             min: Some(touch.margin.0),
-            ..Refusal::invalid(format!("{end}_deg"), error).with_value(touch.distance.0)
+            ..Refusal::invalid(format!("{end}_deg_mm"), error).with_value(touch.distance.0)
         },
         ArmError::Limits { end, .. } => {
-            Refusal::new(RefusalKind::JointLimit, format!("{end}_deg"), error)
+            Refusal::new(RefusalKind::JointLimit, format!("{end}_deg_mm"), error)
         }
-        ArmError::NotFinite { end, .. } => Refusal::invalid(format!("{end}_deg"), error),
+        ArmError::Joints { end, .. } => Refusal::invalid(format!("{end}_deg_mm"), error),
+        ArmError::BrokenOff(error) => Refusal::broken_off(*error),
         ArmError::GaveUp { .. } => Refusal::new(RefusalKind::NoWay, "", error),
         ArmError::Margin { .. } => Refusal::invalid("margin_mm", error),
         ArmError::Capsules { .. } | ArmError::Capsule { .. } | ArmError::Link { .. } => {
@@ -225,19 +221,15 @@ fn refused(error: &ArmError) -> Refusal {
     }
 }
 
-fn flange_way(arm: &ArmModel, points: &[PendantJoints]) -> Vec<[f64; 3]> {
-    let at = |joints: &PendantJoints| position_of(&arm.forward(joints));
+fn flange_way(arm: &Arm, points: &[JointValues]) -> Result<Vec<[f64; 3]>, Refusal> {
+    let at = |joints: &JointValues| {
+        let X_WF = arm.serial.forward(joints).map_err(of_another_arm)?;
+        Ok(position_of(&X_WF))
+    };
     let pairs = points.iter().zip(points.iter().skip(1));
     let inner = pairs.flat_map(|(a, b)| {
-        (0..PARTS).map(move |part| {
-            let share = f64::from(part) / f64::from(PARTS);
-            let (from, to) = (a.degrees(), b.degrees());
-            let mut joints = from;
-            for (joint, to) in joints.iter_mut().zip(to) {
-                *joint += share * (to - *joint);
-            }
-            at(&PendantJoints::from_degrees(joints))
-        })
+        let shares = (0..PARTS).map(|part| f64::from(part) / f64::from(PARTS));
+        shares.map(move |share| at(&a.toward(b, share)))
     });
     inner.chain(points.last().map(at)).collect()
 }

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use api::{MotionBody, MotionType, PoseBody, ProblemCode, TargetBody, Tier, Violation};
-use kinematics::{Axis, PendantJoints, Pose, Seed, Xyzwpr};
+use kinematics::{PendantJoints, Pose, Seed, Xyzwpr};
 
 use units::MmPerSec;
 
@@ -360,26 +360,15 @@ fn largest_change(a: &PendantJoints, b: &PendantJoints) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// About how long a joint motion takes, in seconds: the slowest joint with its speed and acceleration.
+/// How long a joint motion takes, in seconds: as a virtual controller moves, all joints together within the model's speeds,
+/// accelerations and jerks.
 pub(crate) fn joint_duration(
     plan: &RobotPlan,
     from: &PendantJoints,
     to: &PendantJoints,
     percent: u8,
 ) -> f64 {
-    Axis::ALL
-        .into_iter()
-        .map(|axis| {
-            let by = (to.of(axis).0 - from.of(axis).0).abs();
-            let speed = plan.model.max_speed(axis).0 * f64::from(percent) / 100.0;
-            let acceleration = plan.model.max_acceleration(axis).0;
-            if by >= speed * speed / acceleration {
-                by / speed + speed / acceleration
-            } else {
-                2.0 * (by / acceleration).sqrt()
-            }
-        })
-        .fold(0.0, f64::max)
+    robotics::joint_seconds(plan.model, from, to, f64::from(percent) / 100.0)
 }
 
 /// About how long a straight line takes, in seconds: at its speed, without the ramps.

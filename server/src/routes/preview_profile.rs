@@ -90,7 +90,8 @@ fn line(
     let question = ToolPathBody {
         kind: ToolPathKind::Line,
         poses: vec![pose_body(&begins), pose_body(&target)],
-        start_deg: Some(from.degrees().to_vec()),
+        start_deg_mm: Some(from.degrees().to_vec()),
+        task: None,
         speed_mm_s,
         acceleration_mm_s2: None,
         jerk_mm_s3: None,

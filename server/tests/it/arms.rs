@@ -13,6 +13,12 @@ fn assert_close(value: &Value, expected: f64) {
     assert!((value - expected).abs() < 1e-6, "{value} is not {expected}");
 }
 
+/// What was in the way.
+fn obstacle_names(answer: &Value) -> Vec<&Value> {
+    let obstacles = answer["obstacles"].as_array().unwrap();
+    obstacles.iter().map(|obstacle| &obstacle["name"]).collect()
+}
+
 #[tokio::test]
 async fn arm_models_are_listed_and_described() {
     let robot = FakeRobot::accepting().await;
@@ -89,11 +95,11 @@ async fn what_is_wrong_with_a_question_is_a_problem_that_names_the_item() {
         ),
         (
             "arms/fanuc-m20ia/transfers",
-            json!({"start_deg": home, "goal_deg": home,
+            json!({"start_deg_mm": home, "goal_deg_mm": home,
                 "obstacles": [{"kind": "box", "pose": pose(985.0), "size_mm": [50, 50, 50]}]}),
             422,
             "validation",
-            "start_deg",
+            "start_deg_mm",
         ),
         (
             "arms/fanuc-m20ia/reachability",
@@ -125,6 +131,39 @@ async fn what_is_wrong_with_a_question_is_a_problem_that_names_the_item() {
         .await;
     let _problem = reply.problem(422, "no-way", "NONE");
     robot.assert_untouched();
+}
+
+/// The goal is walled in: the walk has a million steps among hundreds of edges.
+#[tokio::test]
+async fn a_caller_who_went_away_keeps_nobody_waiting() {
+    let robot = FakeRobot::accepting().await;
+    let server = TestServer::start(&robot).await;
+    let corners = |x: f64, y: f64, w: f64, h: f64| json!({"corners_mm": [[x, y], [x + w, y], [x + w, y + h], [x, y + h]]});
+    let walls = [
+        corners(4000.0, 4000.0, 2000.0, 100.0),
+        corners(4000.0, 5900.0, 2000.0, 100.0),
+        corners(4000.0, 4100.0, 100.0, 1800.0),
+        corners(5900.0, 4100.0, 100.0, 1800.0),
+    ];
+    let question = json!({
+        "floor": {"min_mm": [0, 0], "max_mm": [10_000, 10_000]}, "radius_mm": 50,
+        "start_mm": [500, 500], "goal_mm": [5000, 5000], "obstacles": walls,
+        "search": {"method": "potential-field", "steps": 1_000_000}
+    });
+    let question = question.to_string();
+    let path = "/api/v1/routes/plan";
+    let asked = server.post(path, &question);
+    let gone = tokio::time::timeout(std::time::Duration::from_millis(300), asked).await;
+    assert!(gone.is_err(), "the question is answered too soon: {gone:?}");
+    // The one place for computing is free again long before the walk would have ended.
+    let short = json!({
+        "floor": {"min_mm": [0, 0], "max_mm": [1000, 1000]}, "radius_mm": 50,
+        "start_mm": [100, 100], "goal_mm": [900, 900]
+    });
+    let short = short.to_string();
+    let reply = server.post(path, &short);
+    let reply = tokio::time::timeout(std::time::Duration::from_secs(3), reply).await;
+    assert_eq!(reply.unwrap().status, 200);
 }
 
 /// Its flange looks down: a tool of 100 mm is 100 mm lower, and a degree of J1 moves it by 985 pi / 180 along Y.
@@ -177,12 +216,7 @@ async fn a_mobile_robots_path_goes_around_what_its_cell_has() {
     assert_eq!(points.last(), Some(&json!([1100.0, 0.0])));
     // Its own work zone is the floor; the hand-over zone it drives into is not in its way, the pedestal is.
     assert_eq!(answer["floor"]["min_mm"], json!([500.0, -3000.0]));
-    let names: Vec<&Value> = answer["obstacles"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|o| &o["name"])
-        .collect();
+    let names = obstacle_names(&answer);
     assert_eq!(names, ["rack-frame", "cabinet", "pedestal"]);
 
     // Past the arm, the zone is in the way.
@@ -191,12 +225,7 @@ async fn a_mobile_robots_path_goes_around_what_its_cell_has() {
         "floor": {"min_mm": [500, -3000], "max_mm": [5000, 2000]}
     });
     let answer = server.post(path, &past.to_string()).await.json();
-    let names: Vec<&Value> = answer["obstacles"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|o| &o["name"])
-        .collect();
+    let names = obstacle_names(&answer);
     assert!(names.contains(&&json!("front")), "{answer}");
     assert!(answer["clearance_mm"].as_f64().unwrap() > -1e-3);
 

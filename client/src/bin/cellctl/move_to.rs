@@ -136,14 +136,7 @@ impl MoveArgs {
 }
 
 fn whole_pose([x, y, z, w, p, r]: [Option<f64>; 6]) -> Option<PoseBody> {
-    Some(PoseBody {
-        x_mm: x?,
-        y_mm: y?,
-        z_mm: z?,
-        w_deg: w?,
-        p_deg: p?,
-        r_deg: r?,
-    })
+    Some([x?, y?, z?, w?, p?, r?].into())
 }
 
 pub(crate) async fn run(args: MoveArgs, context: &Context) -> Result<Report, Failure> {

@@ -43,14 +43,7 @@ pub(crate) struct PoseArgs {
 
 impl From<PoseArgs> for PoseBody {
     fn from(PoseArgs { x, y, z, w, p, r }: PoseArgs) -> Self {
-        Self {
-            x_mm: x,
-            y_mm: y,
-            z_mm: z,
-            w_deg: w,
-            p_deg: p,
-            r_deg: r,
-        }
+        [x, y, z, w, p, r].into()
     }
 }
 

@@ -1,7 +1,6 @@
 //! `cellctl teach`: a taught pose, from where the arm is.
 
 use api::setup::{ExplicitPose, PlanarPoseBody, PoseFrame, TeachBody, TeachResult};
-use api::{JointsBody, PoseBody};
 use clap::{Args, ValueEnum};
 
 use crate::context::Context;
@@ -67,7 +66,7 @@ pub(crate) async fn run(args: TeachArgs, context: &Context) -> Result<Report, Fa
         (None, None) => None,
         (joints, numbers) => Some(ExplicitPose {
             joints,
-            pose: numbers.map(pose_of),
+            pose: numbers.map(|numbers| <[f64; 6]>::from(numbers).into()),
             configuration: args.configuration,
         }),
     };
@@ -92,19 +91,6 @@ pub(crate) async fn run(args: TeachArgs, context: &Context) -> Result<Report, Fa
     let etag = setup.get().await?.etag;
     let taught = setup.teach(robot.id(), &args.place, &body, &etag).await?;
     Ok(context.report(Exit::Done, &taught, sentences))
-}
-
-/// Six numbers of an option, which clap has counted, as a pose.
-fn pose_of(numbers: JointsBody) -> PoseBody {
-    let [x_mm, y_mm, z_mm, w_deg, p_deg, r_deg] = numbers.into();
-    PoseBody {
-        x_mm,
-        y_mm,
-        z_mm,
-        w_deg,
-        p_deg,
-        r_deg,
-    }
 }
 
 fn sentences(result: &TeachResult) -> String {

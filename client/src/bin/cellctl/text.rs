@@ -16,15 +16,7 @@ pub(crate) fn thousandths(value: f64) -> String {
 
 /// A pose in a sentence.
 pub(crate) fn pose(pose: &PoseBody) -> String {
-    let PoseBody {
-        x_mm,
-        y_mm,
-        z_mm,
-        w_deg,
-        p_deg,
-        r_deg,
-    } = *pose;
-    let [x, y, z, w, p, r] = [x_mm, y_mm, z_mm, w_deg, p_deg, r_deg].map(thousandths);
+    let [x, y, z, w, p, r] = <[f64; 6]>::from(*pose).map(thousandths);
     format!("X {x}  Y {y}  Z {z} mm  W {w}  P {p}  R {r} deg")
 }
 

@@ -33,25 +33,28 @@ pub enum ArmObstacle {
     },
 }
 
-/// A way from one joint set to another that touches nothing. For arms that the closed form covers.
+/// A way from one joint set to another that touches nothing.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 #[schema(example = json!({
-    "start_deg": [45, 20, -20, 0, -70, 0], "goal_deg": [-45, 20, -20, 0, -70, 0],
+    "start_deg_mm": [45, 20, -20, 0, -70, 0], "goal_deg_mm": [-45, 20, -20, 0, -70, 0],
     "obstacles": [{"kind": "keep-out", "min_mm": [700, -100, -500], "max_mm": [1000, 100, 500]}]
 }))]
 pub struct ArmTransferBody {
     /// The joints at the start.
-    pub start_deg: Vec<f64>,
+    #[serde(alias = "start_deg")]
+    pub start_deg_mm: Vec<f64>,
     /// The joints at the goal.
-    pub goal_deg: Vec<f64>,
+    #[serde(alias = "goal_deg")]
+    pub goal_deg_mm: Vec<f64>,
     /// What is in the way; at most 100.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub obstacles: Vec<ArmObstacle>,
-    /// The arm's shape, at most 32 capsules; the model's own where absent.
+    /// The arm's shape, at most 32 capsules. The model's own where absent; where it has none, capsules along the lengths
+    /// of its table.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub capsules: Option<Vec<ArmCapsule>>,
-    /// More capsules, such as those of a tool on the flange (link 6).
+    /// More capsules, such as those of a tool on the last link.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub tool_capsules: Vec<ArmCapsule>,
     /// How far from an obstacle the arm stays wherever it was looked at; 20 where absent.
@@ -71,11 +74,14 @@ pub struct ArmTransferBody {
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize, ToSchema)]
 pub struct ArmTransferResult {
     /// The joint sets between which the joints move evenly, start and goal included.
-    pub points_deg: Vec<Vec<f64>>,
-    /// The sum of the ways in joint space.
+    pub points_deg_mm: Vec<Vec<f64>>,
+    /// The sum of the ways in the space of the joints that turn.
     pub length_deg: f64,
+    /// The same of the joints that slide; absent where none does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub length_mm: Option<f64>,
     /// The flange along the way, in the arm's world, sixteen points for each piece.
     pub flange_mm: Vec<[f64; 3]>,
-    /// The arm's shape at each of `points_deg`.
+    /// The arm's shape at each of `points_deg_mm`.
     pub capsules: Vec<Vec<PlacedCapsule>>,
 }

@@ -342,6 +342,24 @@ impl SerialArm {
         self.values(self.joints.iter().map(|joint| joint.home))
     }
 
+    /// Joint values inside the ranges: of each joint, by its place in the row, the `part` (0 to 1) of its range.
+    pub fn spread_over_ranges(&self, mut part: impl FnMut(usize) -> f64) -> JointValues {
+        let joints = self.joints.iter().enumerate();
+        self.values(joints.map(|(index, joint)| {
+            let part = part(index).clamp(0.0, 1.0);
+            joint.min + part * (joint.max - joint.min)
+        }))
+    }
+
+    /// The values of the Denavit-Hartenberg table's variables at these displayed values: radians and millimeters.
+    ///
+    /// # Errors
+    /// The values are another arm's.
+    pub fn chain_values(&self, joints: &JointValues) -> Result<Vec<f64>, SerialError> {
+        self.check_count(joints.len())?;
+        Ok(self.chain(joints).as_slice().to_vec())
+    }
+
     /// The values of the Denavit-Hartenberg table at these displayed values.
     pub(crate) fn chain(&self, joints: &JointValues) -> DVector<f64> {
         &self.coupling * &joints.0 + &self.offsets

@@ -277,12 +277,11 @@ impl SerialArm {
             root = (1.0 + root).powf(1.0 / (n + 1.0));
         }
         let mut part = 1.0;
-        let values = self.joints.iter().map(|joint| {
+        let spread = self.spread_over_ranges(|_| {
             part /= root;
-            let at = (0.5 + part * as_number(index)).fract();
-            joint.min + at * (joint.max - joint.min)
+            (0.5 + part * as_number(index)).fract()
         });
-        DVector::from_iterator(self.joints.len(), values)
+        spread.0
     }
 }
 

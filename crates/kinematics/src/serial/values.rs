@@ -23,6 +23,12 @@ impl JointValues {
         &self.0
     }
 
+    /// The values a `share` of the way from these to `to`, which are the same arm's: each joint evenly.
+    #[must_use]
+    pub fn toward(&self, to: &JointValues, share: f64) -> JointValues {
+        JointValues(self.0.zip_map(&to.0, |from, to| from + share * (to - from)))
+    }
+
     /// How many joints there are.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -1,16 +1,14 @@
 //! The arm as capsules.
 
-use kinematics::{ArmModel, Capsule, PendantJoints};
-use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
-use units::{Millimeters, Radians};
+use kinematics::Capsule;
+use kinematics::serial::{JointKind, JointValues, SerialArm, SerialJoint};
+use nalgebra::{Point3, Rotation3, Vector3};
+use units::Millimeters;
 
 use super::transfer::ArmError;
 
 /// Ends of the axis in the world, and the radius, mm.
 pub(crate) type Placed = (Point3<f64>, Point3<f64>, f64);
-
-/// The link of the flange.
-const FLANGE: usize = 6;
 
 /// The capsules of an arm and its tool.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,8 +16,8 @@ pub struct ArmShape {
     capsules: Vec<Capsule>,
     /// Pairs of capsules that could touch each other.
     pairs: Vec<(usize, usize)>,
-    /// For each joint, how far the capsules beyond it reach from its axis at most.
-    reaches: [f64; 6],
+    /// For each joint, how far a point of the capsules beyond it moves at most for each radian or millimeter of it.
+    reaches: Vec<f64>,
 }
 
 /// The arm keeps this far from itself, mm, or the margin to obstacles if that is less.
@@ -39,14 +37,14 @@ impl ArmShape {
     ///
     /// # Errors
     /// Names the capsule and the number that is wrong.
-    pub fn try_new(arm: &ArmModel, capsules: Vec<Capsule>) -> Result<ArmShape, ArmError> {
+    pub fn try_new(arm: &SerialArm, capsules: Vec<Capsule>) -> Result<ArmShape, ArmError> {
         if capsules.is_empty() {
             return Err(ArmError::Capsules {
                 count: 0,
                 most: Capsule::MOST,
             });
         }
-        Capsule::check(&capsules, FLANGE)?;
+        Capsule::check(&capsules, arm.degrees_of_freedom())?;
         let reaches = reaches(arm, &capsules);
         let mut shape = ArmShape {
             pairs: separate_links(&capsules),
@@ -64,47 +62,23 @@ impl ArmShape {
     ///
     /// # Errors
     /// The model file has none.
-    pub fn of_model(arm: &ArmModel) -> Result<ArmShape, ArmError> {
+    pub fn of_model(arm: &SerialArm) -> Result<ArmShape, ArmError> {
         ArmShape::try_new(arm, arm.capsules().to_vec())
     }
 
-    /// The arm as its Denavit-Hartenberg table has it, in capsules of one radius: along each
-    /// offset d and each length a that is longer than a millimeter.
+    /// The arm as its table has it, in capsules of one radius: [`skeleton`].
     ///
     /// # Errors
     /// A radius that is none.
-    pub fn skeleton(arm: &ArmModel, radius: Millimeters) -> Result<ArmShape, ArmError> {
-        let mut capsules = Vec::new();
-        for (index, row) in arm.dh().iter().enumerate() {
-            let (d, a) = (row.d.0, row.a.0);
-            let origin = [0.0; 3];
-            if d.abs() > 1.0 {
-                // Along the axis of the joint: fixed to the link before it.
-                capsules.push(Capsule {
-                    link: index,
-                    from: origin,
-                    to: [0.0, 0.0, d],
-                    radius: radius.0,
-                });
-            }
-            if a.abs() > 1.0 {
-                // Back along the common normal, which is the x axis of the link's own frame.
-                capsules.push(Capsule {
-                    link: index + 1,
-                    from: [-a, 0.0, 0.0],
-                    to: origin,
-                    radius: radius.0,
-                });
-            }
-        }
-        ArmShape::try_new(arm, capsules)
+    pub fn skeleton(arm: &SerialArm, radius: Millimeters) -> Result<ArmShape, ArmError> {
+        ArmShape::try_new(arm, skeleton(arm, radius))
     }
 
     /// With more capsules, such as those of a tool.
     ///
     /// # Errors
     /// As [`Self::try_new`].
-    pub fn with(&self, arm: &ArmModel, more: &[Capsule]) -> Result<ArmShape, ArmError> {
+    pub fn with(&self, arm: &SerialArm, more: &[Capsule]) -> Result<ArmShape, ArmError> {
         let capsules = self.capsules.iter().chain(more).copied().collect();
         ArmShape::try_new(arm, capsules)
     }
@@ -116,10 +90,11 @@ impl ArmShape {
     }
 
     /// The axes of the capsules in the world, mm, at these joints.
-    pub(crate) fn placed(&self, arm: &ArmModel, joints: &PendantJoints) -> Vec<Placed> {
-        let frames = frames(arm, joints);
+    pub(crate) fn placed(&self, arm: &SerialArm, joints: &JointValues) -> Vec<Placed> {
+        // Joints of another arm were refused before.
+        let frames = arm.frames(joints).unwrap_or_default();
         let placed = |capsule: &Capsule| {
-            let frame = frames.get(capsule.link)?;
+            let frame = frames.get(capsule.link)?.isometry();
             Some((
                 frame * Point3::from(capsule.from),
                 frame * Point3::from(capsule.to),
@@ -151,11 +126,48 @@ impl ArmShape {
     }
 
     /// At most so far does any point of the arm move between two joint sets, mm.
-    pub(crate) fn way(&self, arm: &ArmModel, a: &PendantJoints, b: &PendantJoints) -> f64 {
-        let (a, b) = (arm.chain(a).radians(), arm.chain(b).radians());
+    pub(crate) fn way(&self, arm: &SerialArm, a: &JointValues, b: &JointValues) -> f64 {
+        let chain = |joints| arm.chain_values(joints).unwrap_or_default();
+        let (a, b) = (chain(a), chain(b));
         let ways = a.iter().zip(&b).zip(&self.reaches);
         ways.map(|((a, b), reach)| (b - a).abs() * reach).sum()
     }
+}
+
+/// Capsules of one radius along the lengths of an arm's table, where these are longer than a millimeter: along each offset d,
+/// with the link before the joint, along each length a, with the joint's own, and to the flange. A prismatic joint's is as
+/// long as its stroke, and moves.
+#[must_use]
+pub fn skeleton(arm: &SerialArm, radius: Millimeters) -> Vec<Capsule> {
+    let mut capsules = Vec::new();
+    let mut push = |link: usize, from: Vector3<f64>, to: Vector3<f64>| {
+        if (to - from).norm() > 1.0 {
+            capsules.push(Capsule {
+                link,
+                from: from.into(),
+                to: to.into(),
+                radius: radius.0,
+            });
+        }
+    };
+    let mut links = 0;
+    for (link, joint) in arm.joint_list().iter().enumerate() {
+        // The common normal is the x axis of the link's own frame; before it, the joint's axis.
+        let elbow = Vector3::new(-joint.a, 0.0, 0.0);
+        match joint.kind {
+            JointKind::Revolute => push(link, Vector3::zeros(), Vector3::new(0.0, 0.0, joint.d)),
+            JointKind::Prismatic => {
+                let back = Rotation3::from_axis_angle(&Vector3::x_axis(), -joint.alpha);
+                let stroke = Vector3::new(0.0, 0.0, joint.min - joint.max);
+                push(link + 1, elbow, elbow + back * stroke);
+            }
+        }
+        push(link + 1, elbow, Vector3::zeros());
+        links = link + 1;
+    }
+    let flange = arm.flange().isometry().translation.vector;
+    push(links, Vector3::zeros(), flange);
+    capsules
 }
 
 /// Pairs of capsules on links that are not neighbors. A link without capsules, like the middle of a
@@ -209,40 +221,36 @@ fn between_segments(
     (w + u * s - v * t).norm()
 }
 
-/// The frames of the table, the base first.
-fn frames(arm: &ArmModel, joints: &PendantJoints) -> [Isometry3<f64>; 7] {
-    let angles = arm.chain(joints).radians();
-    let mut frames = [Isometry3::identity(); 7];
-    let mut frame = Isometry3::identity();
-    for ((slot, row), angle) in frames.iter_mut().skip(1).zip(arm.dh()).zip(angles) {
-        let (Radians(alpha), q) = (row.alpha, angle);
-        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), q);
-        let shift = Translation3::from(turn * Vector3::new(row.a.0, 0.0, row.d.0));
-        let twist = UnitQuaternion::from_rotation_matrix(&Rotation3::from_axis_angle(
-            &Vector3::x_axis(),
-            alpha,
-        ));
-        frame *= Isometry3::from_parts(shift, turn * twist);
-        *slot = frame;
-    }
-    frames
+/// Beyond a joint that turns the arm reaches at most as far as the lengths up to a capsule, and the capsule itself: for
+/// any posture. What slides moves as far as it slides.
+fn reaches(arm: &SerialArm, capsules: &[Capsule]) -> Vec<f64> {
+    let joints = arm.joint_list();
+    let reach = |(joint, turning): (usize, &SerialJoint)| {
+        // Joint k turns frame k + 1; its axis is that of frame k.
+        let moved = capsules.iter().filter(|capsule| capsule.link > joint);
+        let reaches = moved.map(|capsule| match turning.kind {
+            JointKind::Prismatic => 1.0,
+            JointKind::Revolute => {
+                let between = joints.iter().take(capsule.link).skip(joint);
+                let chain: f64 = between.map(|joint| joint.a.hypot(farthest(joint))).sum();
+                let norm = |p: [f64; 3]| Vector3::from(p).norm();
+                chain + norm(capsule.from).max(norm(capsule.to)) + capsule.radius
+            }
+        });
+        reaches.fold(0.0, f64::max)
+    };
+    joints.iter().enumerate().map(reach).collect()
 }
 
-/// Beyond a joint the arm reaches at most as far as the lengths up to a capsule, and the capsule
-/// itself: for any posture.
-fn reaches(arm: &ArmModel, capsules: &[Capsule]) -> [f64; 6] {
-    let mut reaches = [0.0; 6];
-    for (joint, reach) in reaches.iter_mut().enumerate() {
-        // Joint k turns frame k + 1; its axis is that of frame k.
-        for capsule in capsules.iter().filter(|capsule| capsule.link > joint) {
-            let lengths = arm.dh().iter().take(capsule.link).skip(joint);
-            let chain: f64 = lengths.map(|row| row.a.0.hypot(row.d.0)).sum();
-            let norm = |p: [f64; 3]| Vector3::from(p).norm();
-            let own = norm(capsule.from).max(norm(capsule.to)) + capsule.radius;
-            *reach = f64::max(*reach, chain + own);
+/// Along its axis, at most: of a joint that slides, wherever it is.
+fn farthest(joint: &SerialJoint) -> f64 {
+    match joint.kind {
+        JointKind::Revolute => joint.d.abs(),
+        JointKind::Prismatic => {
+            let stroke = joint.min.abs().max(joint.max.abs());
+            joint.d.abs() + joint.offset.abs() + stroke
         }
     }
-    reaches
 }
 
 #[cfg(test)]

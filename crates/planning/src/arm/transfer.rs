@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use kinematics::{ArmModel, Axis, CapsuleError, JointsError, LimitViolations, PendantJoints};
+use kinematics::CapsuleError;
+use kinematics::serial::{JointKind, JointValues, OutsideRange, SerialArm, SerialError};
 use rand_distr::{Distribution, Uniform};
 use rand_pcg::Pcg64Mcg;
 use units::Millimeters;
@@ -10,6 +11,7 @@ use units::Millimeters;
 use super::scene::Scene;
 use super::shape::ArmShape;
 use crate::sampling::{Sampling, Space, search};
+use crate::wanted::{BrokenOff, Wanted};
 
 /// Why there is no transfer. Capsules and obstacles count from 1.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -33,12 +35,14 @@ pub enum ArmError {
         value: f64,
     },
     /// A capsule on a link that does not exist.
-    #[error("capsule {capsule} is on link {link}; links are 0 to 6")]
+    #[error("capsule {capsule} is on link {link}; links are 0 to {last}")]
     Link {
         /// Which capsule.
         capsule: usize,
         /// What was given.
         link: usize,
+        /// The last one.
+        last: usize,
     },
     /// Too many obstacles.
     #[error("{count} obstacles; at most {most}")]
@@ -64,21 +68,21 @@ pub enum ArmError {
         /// What was given.
         value: Millimeters,
     },
-    /// Joints that are no joints.
+    /// Joints of another arm.
     #[error("{end}: {source}")]
-    NotFinite {
+    Joints {
         /// `start` or `goal`.
         end: &'static str,
-        /// Which joint.
-        source: JointsError,
+        /// How many.
+        source: SerialError,
     },
-    /// Start or goal beyond the joint limits.
-    #[error("{end}: {violations}")]
+    /// Start or goal beyond the joint ranges.
+    #[error("{end}: {outside}")]
     Limits {
         /// `start` or `goal`.
         end: &'static str,
-        /// Which joints.
-        violations: LimitViolations,
+        /// The first joint that is.
+        outside: OutsideRange,
     },
     /// Start or goal in an obstacle, or nearer to it than the margin, or with two parts of the arm
     /// touching each other.
@@ -89,6 +93,9 @@ pub enum ArmError {
         /// What touches what.
         touch: Touch,
     },
+    /// Nobody waited for the way any more.
+    #[error(transparent)]
+    BrokenOff(#[from] BrokenOff),
     /// The samples were in vain, which does not prove that there is no way.
     #[error("no way found after {samples} samples")]
     GaveUp {
@@ -109,7 +116,15 @@ impl From<CapsuleError> for ArmError {
                 item,
                 value,
             },
-            CapsuleError::Link { capsule, link, .. } => ArmError::Link { capsule, link },
+            CapsuleError::Link {
+                capsule,
+                link,
+                last,
+            } => ArmError::Link {
+                capsule,
+                link,
+                last,
+            },
             CapsuleError::Count { count, most } => ArmError::Capsules { count, most },
         }
     }
@@ -150,98 +165,126 @@ pub struct Touch {
 /// Joint sets to be gone through in straight lines of joint space, start and goal included.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArmPath {
-    points: Vec<PendantJoints>,
+    points: Vec<JointValues>,
+    turned: f64,
+    slid: f64,
 }
 
 impl ArmPath {
+    fn new(arm: &SerialArm, points: Vec<JointValues>) -> ArmPath {
+        let length = |kind: JointKind| -> f64 {
+            let pairs = points.iter().zip(points.iter().skip(1));
+            pairs
+                .map(|(a, b)| {
+                    let steps = a.as_slice().iter().zip(b.as_slice());
+                    let of_kind = arm.joint_list().iter().zip(steps);
+                    let of_kind = of_kind.filter(|(joint, _)| joint.kind == kind);
+                    let squares = of_kind.map(|(_, (a, b))| (b - a) * (b - a));
+                    squares.sum::<f64>().sqrt()
+                })
+                .sum()
+        };
+        ArmPath {
+            turned: length(JointKind::Revolute).to_degrees(),
+            slid: length(JointKind::Prismatic),
+            points,
+        }
+    }
+
     /// The joint sets, start first.
     #[must_use]
-    pub fn points(&self) -> &[PendantJoints] {
+    pub fn points(&self) -> &[JointValues] {
         &self.points
     }
 
-    /// The sum of the ways in joint space, degrees.
+    /// The sum of the ways in the space of the joints that turn, degrees.
     #[must_use]
     pub fn length_deg(&self) -> f64 {
-        let pairs = self.points.iter().zip(self.points.iter().skip(1));
-        pairs
-            .map(|(a, b)| distance(&a.radians(), &b.radians()).to_degrees())
-            .sum()
+        self.turned
+    }
+
+    /// The same of the joints that slide, millimeters.
+    #[must_use]
+    pub fn length_mm(&self) -> f64 {
+        self.slid
     }
 }
 
-/// A way for the arm from `start` to `goal` by a probabilistic roadmap, its detours left out.
-///
-/// Everywhere on the way the joints are inside their limits and the capsules touch nothing; at the
-/// joint sets it was looked at they are at least `margin` away. Connections are only looked at when
-/// a shortest path wants them (a lazy roadmap).
-///
-/// The arm keeps 20 mm (or `margin`, if that is less) from itself: capsules on neighboring links
-/// are left out of that, and capsules that touch at home.
-///
-/// # Errors
-/// Start or goal out of limits or too near to an obstacle, a margin out of range, or no way found.
-pub fn transfer(
-    arm: &ArmModel,
-    shape: &ArmShape,
-    scene: &Scene,
-    start: &PendantJoints,
-    goal: &PendantJoints,
-    margin: Millimeters,
-    sampling: &Sampling,
-) -> Result<ArmPath, ArmError> {
-    if !(1.0..=1000.0).contains(&margin.0) {
-        return Err(ArmError::Margin { value: margin });
-    }
-    let space = JointSpace {
-        arm,
-        shape,
-        scene,
-        margin: margin.0,
-    };
-    for (end, joints) in [("start", start), ("goal", goal)] {
-        let _ = PendantJoints::try_from_degrees(joints.degrees())
-            .map_err(|source| ArmError::NotFinite { end, source })?;
-        arm.check_limits(joints)
-            .map_err(|violations| ArmError::Limits { end, violations })?;
-        if let Some(touch) = space.touch(joints) {
-            return Err(ArmError::Touches { end, touch });
+/// An arm and what it must not touch.
+#[derive(Clone, Copy, Debug)]
+pub struct Workplace<'a> {
+    /// The arm.
+    pub arm: &'a SerialArm,
+    /// Its body.
+    pub shape: &'a ArmShape,
+    /// What stands around it, in its world.
+    pub scene: &'a Scene,
+    /// How far from that it stays wherever it is looked at, 1 to 1000 mm.
+    pub margin: Millimeters,
+}
+
+impl Workplace<'_> {
+    /// A way for the arm from `start` to `goal` by a probabilistic roadmap, its detours left out, as long as it is `wanted`.
+    ///
+    /// Everywhere on the way the joints are inside their ranges and the capsules touch nothing; at the
+    /// joint sets it was looked at they are at least `margin` away. Connections are only looked at when
+    /// a shortest path wants them (a lazy roadmap).
+    ///
+    /// The arm keeps 20 mm (or `margin`, if that is less) from itself: capsules on neighboring links
+    /// are left out of that, and capsules that touch at home.
+    ///
+    /// # Errors
+    /// Start or goal out of range or too near to an obstacle, a margin out of range, or no way found.
+    pub fn transfer(
+        &self,
+        start: &JointValues,
+        goal: &JointValues,
+        sampling: &Sampling,
+        wanted: Wanted<'_>,
+    ) -> Result<ArmPath, ArmError> {
+        let Workplace {
+            arm,
+            shape,
+            scene,
+            margin,
+        } = *self;
+        if !(1.0..=1000.0).contains(&margin.0) {
+            return Err(ArmError::Margin { value: margin });
         }
-    }
-    let found =
-        search(&space, start.radians(), goal.radians(), sampling).ok_or(ArmError::GaveUp {
+        let space = JointSpace {
+            arm,
+            shape,
+            scene,
+            margin: margin.0,
+        };
+        for (end, joints) in [("start", start), ("goal", goal)] {
+            let outside = arm
+                .check_ranges(joints)
+                .map_err(|source| ArmError::Joints { end, source })?;
+            if let Some(outside) = outside.into_iter().next() {
+                return Err(ArmError::Limits { end, outside });
+            }
+            if let Some(touch) = space.touch(joints) {
+                return Err(ArmError::Touches { end, touch });
+            }
+        }
+        let found = search(&space, start.clone(), goal.clone(), sampling, wanted)?;
+        let found = found.ok_or(ArmError::GaveUp {
             samples: sampling.most,
         })?;
-    let mut points = space.shortened(&found.way);
-    // The ends exactly as they were given.
-    if let [first, .., last] = points.as_mut_slice() {
-        (*first, *last) = (*start, *goal);
+        Ok(ArmPath::new(arm, space.shortened(&found.way, wanted)?))
     }
-    Ok(ArmPath { points })
 }
 
 struct JointSpace<'a> {
-    arm: &'a ArmModel,
+    arm: &'a SerialArm,
     shape: &'a ArmShape,
     scene: &'a Scene,
     margin: f64,
 }
 
-fn distance(a: &[f64; 6], b: &[f64; 6]) -> f64 {
-    let squares = a.iter().zip(b).map(|(a, b)| (b - a) * (b - a));
-    squares.sum::<f64>().sqrt()
-}
-
-fn on_the_way(a: &[f64; 6], b: &[f64; 6], share: f64) -> [f64; 6] {
-    let mut joints = *a;
-    for (joint, to) in joints.iter_mut().zip(b) {
-        *joint += share * (to - *joint);
-    }
-    joints
-}
-
 impl JointSpace<'_> {
-    fn touch(&self, joints: &PendantJoints) -> Option<Touch> {
+    fn touch(&self, joints: &JointValues) -> Option<Touch> {
         let placed = self.shape.placed(self.arm, joints);
         let of_scene = (1..).zip(&placed).find_map(|(capsule, placed)| {
             let (obstacle, distance) = self.scene.touched(*placed, self.margin)?;
@@ -263,46 +306,62 @@ impl JointSpace<'_> {
         })
     }
 
-    fn shortened(&self, points: &[[f64; 6]]) -> Vec<PendantJoints> {
+    fn shortened(
+        &self,
+        points: &[JointValues],
+        wanted: Wanted<'_>,
+    ) -> Result<Vec<JointValues>, BrokenOff> {
         let mut kept = Vec::new();
         let mut rest = points;
         while let Some((here, ahead)) = rest.split_first() {
-            kept.push(PendantJoints::from_radians(*here));
-            let farthest = (1..ahead.len())
-                .rev()
-                .find(|index| ahead.get(*index).is_some_and(|to| self.is_free(here, to)));
-            rest = ahead.get(farthest.unwrap_or(0)..).unwrap_or_default();
+            kept.push(here.clone());
+            let mut next = 0;
+            for (index, to) in ahead.iter().enumerate().skip(1).rev() {
+                wanted.check()?;
+                if self.is_free(here, to) {
+                    next = index;
+                    break;
+                }
+            }
+            rest = ahead.get(next..).unwrap_or_default();
         }
-        kept
+        Ok(kept)
     }
 }
 
-impl Space<6> for JointSpace<'_> {
+impl Space for JointSpace<'_> {
+    type At = JointValues;
+
     const LAZY: bool = true;
 
-    fn sample(&self, random: &mut Pcg64Mcg) -> [f64; 6] {
-        Axis::ALL.map(|axis| {
-            let limits = self.arm.limits(axis);
-            let range = Uniform::new(limits.min.0, limits.max.0);
-            range
-                .map_or(limits.min.0, |range| range.sample(random))
-                .to_radians()
-        })
+    fn sample(&self, random: &mut Pcg64Mcg) -> JointValues {
+        let mut part =
+            || Uniform::new(0.0, 1.0).map_or(0.5, |unit: Uniform<f64>| unit.sample(random));
+        self.arm.spread_over_ranges(|_| part())
     }
 
-    fn distance(&self, a: &[f64; 6], b: &[f64; 6]) -> f64 {
-        distance(a, b)
+    /// Radians; the arm's whole span slid counts as one.
+    fn distance(&self, a: &JointValues, b: &JointValues) -> f64 {
+        let steps = a.as_slice().iter().zip(b.as_slice());
+        let joints = self.arm.joint_list().iter().zip(steps);
+        let squares = joints.map(|(joint, (a, b))| {
+            let step = match joint.kind {
+                JointKind::Revolute => b - a,
+                JointKind::Prismatic => (b - a) / self.arm.span(),
+            };
+            step * step
+        });
+        squares.sum::<f64>().sqrt()
     }
 
-    fn is_valid(&self, joints: &[f64; 6]) -> bool {
-        self.touch(&PendantJoints::from_radians(*joints)).is_none()
+    fn is_valid(&self, joints: &JointValues) -> bool {
+        self.touch(joints).is_none()
     }
 
     /// Ends are known to be valid. The middle first, then the quarters and so on: what is in the
     /// way is found soon.
-    fn is_free(&self, a: &[f64; 6], b: &[f64; 6]) -> bool {
-        let joints = PendantJoints::from_radians;
-        let way = self.shape.way(self.arm, &joints(*a), &joints(*b));
+    fn is_free(&self, a: &JointValues, b: &JointValues) -> bool {
+        let way = self.shape.way(self.arm, a, b);
         let margin = ArmShape::own_margin(self.margin);
         let mut parts = 1_u32;
         // Half a part each side of a joint set that keeps the margin.
@@ -310,7 +369,7 @@ impl Space<6> for JointSpace<'_> {
             parts *= 2;
             let odd = (1..parts).step_by(2);
             let mut shares = odd.map(|part| f64::from(part) / f64::from(parts));
-            if shares.any(|share| !self.is_valid(&on_the_way(a, b, share))) {
+            if shares.any(|share| !self.is_valid(&a.toward(b, share))) {
                 return false;
             }
         }

@@ -1,10 +1,72 @@
 //! Why the tool cannot be moved along a path.
 
-use kinematics::{Axis, IkError, LimitViolations, Xyzwpr};
-use units::Degrees;
+use std::fmt;
+
+use kinematics::serial::{DlsError, JointKind, SerialError};
+use kinematics::{IkError, LimitViolations, Xyzwpr};
+use units::{Degrees, Millimeters};
 
 use super::path::PathError;
 use crate::jerk::MoveError;
+use crate::wanted::BrokenOff;
+
+/// Where a joint is, as its display shows it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointValue {
+    /// Degrees or millimeters.
+    pub value: f64,
+    /// What the joint does.
+    pub kind: JointKind,
+}
+
+impl From<Degrees> for JointValue {
+    fn from(Degrees(value): Degrees) -> Self {
+        JointValue {
+            value,
+            kind: JointKind::Revolute,
+        }
+    }
+}
+
+/// As degrees and millimeters are written.
+impl fmt::Display for JointValue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.kind {
+            JointKind::Revolute => Degrees(self.value).fmt(f),
+            JointKind::Prismatic => Millimeters(self.value).fmt(f),
+        }
+    }
+}
+
+/// Why a move of the tool of any arm is not possible, and where.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ToolMoveError {
+    /// As of an arm that is solved in closed form.
+    #[error(transparent)]
+    Tool(#[from] ToolError),
+    /// The search for joints that reach a pose of the path ended before it.
+    #[error("at {parameter:.4} of the path, {pose}: {source}")]
+    NotReached {
+        /// From 0 to 1.
+        parameter: f64,
+        /// Of the tool in the user frame.
+        pose: Box<Xyzwpr>,
+        /// How near it got.
+        source: DlsError,
+    },
+    /// Joints of another arm.
+    #[error(transparent)]
+    Joints(#[from] SerialError),
+    /// Nobody waited for the move any more.
+    #[error(transparent)]
+    BrokenOff(#[from] BrokenOff),
+}
+
+impl From<PathError> for ToolMoveError {
+    fn from(error: PathError) -> Self {
+        ToolMoveError::Tool(error.into())
+    }
+}
 
 /// Why a move of the tool is not possible, and where.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -45,11 +107,11 @@ pub enum ToolError {
         /// Of the tool in the user frame.
         pose: Box<Xyzwpr>,
         /// The joint with the longest way.
-        joint: Axis,
+        joint: String,
         /// Before.
-        from: Degrees,
+        from: JointValue,
         /// After.
-        to: Degrees,
+        to: JointValue,
     },
     /// With the wrist on its own way, no place of the arm keeps the tool on the path.
     #[error("at {parameter:.4} of the path, no place of the arm keeps the tool on it")]
@@ -69,17 +131,17 @@ pub enum ToolError {
     #[error("{joint} is at {is:.3}, the path begins at {begins:.3}")]
     StartElsewhere {
         /// The joint that is farthest off.
-        joint: Axis,
+        joint: String,
         /// Where it is.
-        is: Degrees,
+        is: JointValue,
         /// Where it would have to be.
-        begins: Degrees,
+        begins: JointValue,
     },
     /// The move would have to be slower than any that makes sense.
     #[error("{joint} slows the move {factor:.0} times, at {parameter:.4} of the path")]
     TooSlow {
         /// The joint at its limit.
-        joint: Axis,
+        joint: String,
         /// From 0 to 1.
         parameter: f64,
         /// How many times slower.

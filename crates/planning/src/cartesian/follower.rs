@@ -5,14 +5,13 @@ use units::Degrees;
 
 use super::error::ToolError;
 use super::path::ToolPath;
+use super::stepwise::{OnPath, after};
 use super::wrist::WristWay;
 
 /// Of one joint from one checked pose to the next.
-const LONGEST_STEP_DEG: f64 = 15.0;
+pub(super) const LONGEST_STEP_DEG: f64 = 15.0;
 /// Joints this close are where they should be.
-const AT_START_DEG: f64 = 0.01;
-/// How often a step is halved before it is a jump.
-const MOST_HALVINGS: u32 = 10;
+pub(super) const AT_START_DEG: f64 = 0.01;
 
 /// An arm that keeps its tool on a path: inverse kinematics at each step, near the joints before it.
 #[derive(Clone, Copy, Debug)]
@@ -77,44 +76,49 @@ impl<'a> ToolFollower<'a> {
         joints: &PendantJoints,
         to: f64,
     ) -> Result<PendantJoints, ToolError> {
-        self.step(to, to - from, joints, 0)
+        after(self, to, to - from, joints)
     }
 
     pub(super) fn check_start(&self, start: &PendantJoints) -> Result<(), ToolError> {
         let begins = self.joints_at(0.0, start)?;
         let (joint, is, begins) = farthest(start, &begins);
         if (is.0 - begins.0).abs() > AT_START_DEG {
-            return Err(ToolError::StartElsewhere { joint, is, begins });
+            return Err(ToolError::StartElsewhere {
+                joint: joint.to_string(),
+                is: is.into(),
+                begins: begins.into(),
+            });
         }
         Ok(())
     }
+}
 
-    /// The joints at `parameter`, a `step` after `before`; halved while they are far apart.
-    fn step(
-        &self,
-        parameter: f64,
-        step: f64,
-        before: &PendantJoints,
-        halved: u32,
-    ) -> Result<PendantJoints, ToolError> {
-        let joints = self.joints_at(parameter, before)?;
-        let (joint, from, to) = farthest(before, &joints);
-        if (to.0 - from.0).abs() <= LONGEST_STEP_DEG {
-            return Ok(joints);
+impl OnPath for ToolFollower<'_> {
+    type Joints = PendantJoints;
+    type Error = ToolError;
+
+    fn joints_at(&self, parameter: f64, near: &PendantJoints) -> Result<PendantJoints, ToolError> {
+        ToolFollower::joints_at(self, parameter, near)
+    }
+
+    fn far_apart(&self, a: &PendantJoints, b: &PendantJoints) -> bool {
+        let (_, from, to) = farthest(a, b);
+        (to.0 - from.0).abs() > LONGEST_STEP_DEG
+    }
+
+    fn jump(&self, parameter: f64, from: &PendantJoints, to: &PendantJoints) -> ToolError {
+        let (joint, from, to) = farthest(from, to);
+        let pose = match self.path.pose_at(parameter) {
+            Ok(pose) => Box::new(pose.xyzwpr()),
+            Err(error) => return error.into(),
+        };
+        ToolError::Jump {
+            parameter,
+            pose,
+            joint: joint.to_string(),
+            from: from.into(),
+            to: to.into(),
         }
-        if halved == MOST_HALVINGS {
-            let pose = Box::new(self.path.pose_at(parameter)?.xyzwpr());
-            return Err(ToolError::Jump {
-                parameter,
-                pose,
-                joint,
-                from,
-                to,
-            });
-        }
-        let half = 0.5 * step;
-        let middle = self.step(parameter - half, half, before, halved + 1)?;
-        self.step(parameter, half, &middle, halved + 1)
     }
 }
 

@@ -8,11 +8,14 @@ mod demands;
 mod error;
 mod follower;
 mod path;
+mod solved;
+mod stepwise;
 mod tool_move;
 mod wrist;
 
 pub use demands::{Demand, Demands};
-pub use error::ToolError;
+pub use error::{JointValue, ToolError, ToolMoveError};
 pub use follower::ToolFollower;
 pub use path::{Extent, PathError, ToolPath};
+pub use solved::{SolvedArm, Solver};
 pub use tool_move::{Sample, ToolLimits, ToolMove};

@@ -1,12 +1,13 @@
 //! A path of the tool in time, and the joints along it.
 
-use kinematics::{ArmModel, Axis, Frames, PendantJoints};
+use kinematics::serial::{JointValues, SerialArm};
 use units::{MmPerSec, MmPerSec2, RadPerSec};
 
-use super::error::ToolError;
-use super::follower::ToolFollower;
+use super::error::{ToolError, ToolMoveError};
 use super::path::ToolPath;
+use super::solved::{SolvedArm, SolvedFollower};
 use crate::jerk::{MotionLimits, MoveError, Progress, Quantity};
+use crate::wanted::Wanted;
 
 /// What the tool may do at most.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,14 +23,14 @@ pub struct ToolLimits {
 }
 
 /// The arm at one instant.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Sample {
     /// Seconds since the start.
     pub time: f64,
     /// On the path, from 0 to 1.
     pub parameter: f64,
     /// The joints.
-    pub joints: PendantJoints,
+    pub joints: JointValues,
 }
 
 /// Joints along a path of the tool, one sample a period.
@@ -37,7 +38,7 @@ pub struct Sample {
 pub struct ToolMove {
     samples: Vec<Sample>,
     slowed: f64,
-    limited_by: Option<Axis>,
+    limited_by: Option<String>,
 }
 
 /// Parts of a path that are checked before any time is planned.
@@ -46,33 +47,33 @@ const MOST_SAMPLES: u32 = 1_000_000;
 const SLOWEST: f64 = 1000.0;
 
 impl ToolMove {
-    /// Moves the tool along `path`, in the user frame of `frames`, beginning at `start`; rest at
-    /// both ends, one sample each `period` seconds. Each joint keeps the speed and acceleration of
-    /// the model at every sample; where one would not, the whole move is slowed down.
+    /// Moves the tool along `path`, in the user frame of the arm's frames, beginning at `start`; rest at
+    /// both ends, one sample each `period` seconds, as long as it is `wanted`. Each joint keeps the speed and
+    /// acceleration of the model at every sample; where one would not, the whole move is slowed down.
     ///
     /// # Errors
     /// Where and why the arm cannot follow: parameter, pose, joint, limit.
     pub fn try_new(
-        arm: &ArmModel,
-        frames: &Frames,
+        solved: &SolvedArm<'_>,
         path: &ToolPath,
         limits: &ToolLimits,
-        start: &PendantJoints,
+        start: &JointValues,
         period: f64,
-    ) -> Result<ToolMove, ToolError> {
+        wanted: Wanted<'_>,
+    ) -> Result<ToolMove, ToolMoveError> {
         check_limits(limits)?;
         if !(0.0005..=1.0).contains(&period) {
-            return Err(ToolError::Period { value: period });
+            return Err(ToolError::Period { value: period }.into());
         }
-        let follower = ToolFollower::new(arm, frames, path);
+        let follower = SolvedFollower::new(solved, path);
         follower.check_start(start)?;
-        let steepest = check_whole(&follower, path, start)?;
+        let steepest = check_whole(&follower, path, start, wanted)?;
         let profile = parameter_profile(limits, &steepest)?;
         let (mut slowed, mut limited_by) = (1.0, None);
         // Each round measures the joints at the slower pace; two are the rule.
         for _ in 0..8 {
-            let samples = samples(&follower, &profile, slowed, start, period)?;
-            let Some(worst) = worst(arm, &samples, period) else {
+            let samples = samples(&follower, &profile, slowed, (start, period), wanted)?;
+            let Some(worst) = worst(solved.arm, &samples, period) else {
                 return Ok(ToolMove {
                     samples,
                     slowed,
@@ -80,20 +81,22 @@ impl ToolMove {
                 });
             };
             slowed *= worst.factor * 1.001;
-            limited_by = Some(worst.joint);
+            limited_by = Some(worst.joint.clone());
             if slowed > SLOWEST {
                 return Err(ToolError::TooSlow {
                     joint: worst.joint,
                     parameter: worst.parameter,
                     factor: slowed,
-                });
+                }
+                .into());
             }
         }
         Err(ToolError::TooSlow {
-            joint: limited_by.unwrap_or(Axis::J1),
+            joint: limited_by.unwrap_or_default(),
             parameter: 1.0,
             factor: slowed,
-        })
+        }
+        .into())
     }
 
     /// One each period, the first at the start and the last at the end.
@@ -117,8 +120,8 @@ impl ToolMove {
 
     /// The joint that slows the move.
     #[must_use]
-    pub fn limited_by(&self) -> Option<Axis> {
-        self.limited_by
+    pub fn limited_by(&self) -> Option<&str> {
+        self.limited_by.as_deref()
     }
 }
 
@@ -130,17 +133,19 @@ struct Steepest {
 
 /// Follows the path without time.
 fn check_whole(
-    follower: &ToolFollower<'_>,
+    follower: &SolvedFollower<'_>,
     path: &ToolPath,
-    start: &PendantJoints,
-) -> Result<Steepest, ToolError> {
-    let (mut joints, mut pose) = (*start, path.pose_at(0.0)?);
+    start: &JointValues,
+    wanted: Wanted<'_>,
+) -> Result<Steepest, ToolMoveError> {
+    let (mut joints, mut pose) = (start.clone(), path.pose_at(0.0)?);
     let mut steepest = Steepest {
         millimeters: 0.0,
         radians: 0.0,
     };
     let checks = f64::from(CHECKS);
     for step in 1..=CHECKS {
+        wanted.check()?;
         let step = f64::from(step);
         joints = follower.follow((step - 1.0) / checks, &joints, step / checks)?;
         let next = path.pose_at(step / checks)?;
@@ -153,30 +158,32 @@ fn check_whole(
 }
 
 fn samples(
-    follower: &ToolFollower<'_>,
+    follower: &SolvedFollower<'_>,
     profile: &Progress,
     slowed: f64,
-    start: &PendantJoints,
-    period: f64,
-) -> Result<Vec<Sample>, ToolError> {
+    (start, period): (&JointValues, f64),
+    wanted: Wanted<'_>,
+) -> Result<Vec<Sample>, ToolMoveError> {
     let duration = profile.duration() * slowed;
     let count = (duration / period).ceil();
     if count > f64::from(MOST_SAMPLES) {
         return Err(ToolError::TooLong {
             samples: count,
             most: MOST_SAMPLES,
-        });
+        }
+        .into());
     }
     // The move lasts a whole number of periods.
     let pace = profile.duration() / (count * period);
     let mut samples = vec![Sample {
         time: 0.0,
         parameter: 0.0,
-        joints: *start,
+        joints: start.clone(),
     }];
-    let mut joints = *start;
+    let mut joints = start.clone();
     let mut before = 0.0;
     for step in (1..=MOST_SAMPLES).take_while(|step| f64::from(*step) <= count) {
+        wanted.check()?;
         let time = f64::from(step) * period;
         let parameter = profile.at(time * pace).position.clamp(0.0, 1.0);
         joints = follower.follow(before, &joints, parameter)?;
@@ -184,7 +191,7 @@ fn samples(
         samples.push(Sample {
             time,
             parameter,
-            joints,
+            joints: joints.clone(),
         });
     }
     Ok(samples)
@@ -209,34 +216,30 @@ fn parameter_profile(limits: &ToolLimits, steepest: &Steepest) -> Result<Progres
 }
 
 struct Worst {
-    joint: Axis,
+    joint: String,
     parameter: f64,
     factor: f64,
 }
 
 /// The joint that is farthest beyond its speed or acceleration between samples; the arm rests
 /// before the first and after the last.
-fn worst(arm: &ArmModel, samples: &[Sample], period: f64) -> Option<Worst> {
+fn worst(arm: &SerialArm, samples: &[Sample], period: f64) -> Option<Worst> {
     let mut worst: Option<Worst> = None;
-    for joint in Axis::ALL {
-        let (fastest, hardest) = (arm.max_speed(joint).0, arm.max_acceleration(joint).0);
+    for (index, joint) in arm.joint_list().iter().enumerate() {
+        let at = |sample: &Sample| sample.joints.as_slice().get(index).copied();
         let mut speed_before = 0.0;
         let pairs = samples.iter().zip(samples.iter().skip(1));
         let speeds = pairs
-            .map(|(a, b)| {
-                (
-                    b.parameter,
-                    (b.joints.of(joint).0 - a.joints.of(joint).0) / period,
-                )
-            })
+            .filter_map(|(a, b)| Some((b.parameter, (at(b)? - at(a)?) / period)))
             .chain([(1.0, 0.0)]);
         for (parameter, speed) in speeds {
             let acceleration = (speed - speed_before) / period;
             speed_before = speed;
-            let factor = (speed.abs() / fastest).max((acceleration.abs() / hardest).sqrt());
+            let by_speed = speed.abs() / joint.max_speed;
+            let factor = by_speed.max((acceleration.abs() / joint.max_acceleration).sqrt());
             if factor > 1.0 && worst.as_ref().is_none_or(|worst| worst.factor < factor) {
                 worst = Some(Worst {
-                    joint,
+                    joint: joint.name.clone(),
                     parameter,
                     factor,
                 });

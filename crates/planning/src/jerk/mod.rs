@@ -31,7 +31,9 @@ mod phases;
 mod progress;
 mod side;
 mod speed_change;
+mod straight;
 
 pub use joint_move::{JointMove, MotionLimits, MoveError, Quantity};
 pub use progress::Progress;
 pub use speed_change::SpeedChange;
+pub use straight::straight_in_joint_space;

@@ -2,6 +2,7 @@
 
 use super::Point;
 use super::polygon::{Polygon, PolygonError, between};
+use crate::wanted::BrokenOff;
 
 const MAX_COORDINATE: f64 = 1e6;
 const MAX_OBSTACLES: usize = 1000;
@@ -69,6 +70,9 @@ pub enum PlaneError {
         /// How fine it looked.
         resolution: f64,
     },
+    /// Nobody waited for the path any more.
+    #[error(transparent)]
+    BrokenOff(#[from] BrokenOff),
     /// The method gave up.
     #[error("no path found by {method} after {effort} {unit}")]
     GaveUp {

@@ -11,6 +11,7 @@ use super::floor::{Floor, PlaneError, within};
 use super::polygon::between;
 use super::route::Route;
 use super::sketch::Sketch;
+use crate::wanted::Wanted;
 
 /// What the field is made of, and how long it is searched.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,18 +67,19 @@ pub fn potential(
     goal: Point,
     field: &Field,
 ) -> Result<Route, PlaneError> {
-    Ok(potential_sketched(floor, start, goal, field)?.0)
+    Ok(potential_sketched(floor, start, goal, field, Wanted::ALWAYS)?.0)
 }
 
-/// As [`potential`], with the steps that led to the goal, detours and all.
+/// As [`potential`], with the steps that led to the goal, detours and all, as long as the path is `wanted`.
 ///
 /// # Errors
-/// As [`potential`].
+/// As [`potential`]; [`PlaneError::BrokenOff`].
 pub fn potential_sketched(
     floor: &Floor,
     start: Point,
     goal: Point,
     field: &Field,
+    wanted: Wanted<'_>,
 ) -> Result<(Route, Sketch), PlaneError> {
     let _ = within("attraction of the field", field.attraction, 1e-9, 1e9)?;
     let _ = within("repulsion of the field", field.repulsion, 0.0, 1e15)?;
@@ -91,6 +93,7 @@ pub fn potential_sketched(
         field,
         random: Pcg64Mcg::seed_from_u64(field.seed),
         left: field.most_steps,
+        wanted,
     };
     let mut path = vec![start];
     search.descend(&mut path);
@@ -98,6 +101,7 @@ pub fn potential_sketched(
         let least = search.value(search.end(&path));
         let mut escaped = false;
         for _ in 0..WALKS {
+            wanted.check()?;
             if search.left == 0 {
                 return Err(PlaneError::GaveUp {
                     method: "potential field",
@@ -127,7 +131,7 @@ pub fn potential_sketched(
         cells: Vec::new(),
         edges: steps.map(|(a, b)| [*a, *b]).collect(),
     };
-    Ok((Route::new(path).shortened(floor), sketch))
+    Ok((Route::new(path).shortened(floor, wanted)?, sketch))
 }
 
 struct Search<'a> {
@@ -136,9 +140,14 @@ struct Search<'a> {
     field: &'a Field,
     random: Pcg64Mcg,
     left: u32,
+    wanted: Wanted<'a>,
 }
 
 impl Search<'_> {
+    fn goes_on(&self) -> bool {
+        self.left > 0 && !self.wanted.is_over()
+    }
+
     fn end(&self, path: &[Point]) -> Point {
         path.last().copied().unwrap_or(self.goal)
     }
@@ -187,7 +196,7 @@ impl Search<'_> {
     fn descend(&mut self, path: &mut Vec<Point>) {
         let mut here = self.end(path);
         let mut value = self.value(here);
-        while self.left > 0 && !self.arrived(path) {
+        while self.goes_on() && !self.arrived(path) {
             self.left -= 1;
             let Some([dx, dy]) = self.downhill(here) else {
                 return;
@@ -217,11 +226,11 @@ impl Search<'_> {
         let length = self.uniform() * f64::from(self.field.walk);
         let mut walked = 0.0;
         // Straight for a few steps: a pure Brownian motion needs the square of the way.
-        while walked < length && self.left > 0 {
+        while walked < length && self.goes_on() {
             let angle = TAU * self.uniform();
             let stretch = 1.0 + 9.0 * self.uniform();
             let mut along = 0.0;
-            while along < stretch && self.left > 0 {
+            while along < stretch && self.goes_on() {
                 self.left -= 1;
                 along += 1.0;
                 let step = self.field.step;

@@ -6,6 +6,7 @@ use super::graph::shortest;
 use super::polygon::between;
 use super::route::Route;
 use super::sketch::{Sketch, SketchedCell};
+use crate::wanted::Wanted;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Color {
@@ -45,18 +46,19 @@ pub fn quadtree(
     goal: Point,
     resolution: f64,
 ) -> Result<Route, PlaneError> {
-    Ok(quadtree_sketched(floor, start, goal, resolution)?.0)
+    Ok(quadtree_sketched(floor, start, goal, resolution, Wanted::ALWAYS)?.0)
 }
 
-/// As [`quadtree`], with the cells as far as they were divided.
+/// As [`quadtree`], with the cells as far as they were divided, as long as the path is `wanted`.
 ///
 /// # Errors
-/// As [`quadtree`].
+/// As [`quadtree`]; [`PlaneError::BrokenOff`].
 pub fn quadtree_sketched(
     floor: &Floor,
     start: Point,
     goal: Point,
     resolution: f64,
+    wanted: Wanted<'_>,
 ) -> Result<(Route, Sketch), PlaneError> {
     let resolution = within("resolution", resolution, 0.1, 1e5)?;
     floor.check("start", start)?;
@@ -64,6 +66,7 @@ pub fn quadtree_sketched(
     let method = "approximate cell decomposition";
     let mut tree = Tree::new(floor, resolution);
     loop {
+        wanted.check()?;
         let (first, last) = (tree.leaf(start), tree.leaf(goal));
         let way = tree
             .way(first, last, goal)
@@ -79,7 +82,8 @@ pub fn quadtree_sketched(
                 points.extend(tree.door(*from, *to));
             }
             points.push(goal);
-            return Ok((Route::new(points).shortened(floor), tree.sketched()));
+            let route = Route::new(points).shortened(floor, wanted)?;
+            return Ok((route, tree.sketched()));
         }
         for index in gray {
             tree.divide(index);

@@ -2,6 +2,7 @@
 
 use super::polygon::between;
 use super::{Floor, Point};
+use crate::wanted::{BrokenOff, Wanted};
 
 /// Points to be driven through on straight lines, start and goal included.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,24 +30,27 @@ impl Route {
 
     /// Without detours: the shortest way over points that see each other, then the same with points
     /// between, which cuts the corners, until that gains nothing.
-    #[must_use]
-    pub fn shortened(&self, floor: &Floor) -> Route {
-        let mut best = self.skipped(floor);
+    ///
+    /// # Errors
+    /// It was no longer `wanted`.
+    pub fn shortened(&self, floor: &Floor, wanted: Wanted<'_>) -> Result<Route, BrokenOff> {
+        let mut best = self.skipped(floor, wanted)?;
         for _ in 0..ROUNDS {
-            let shorter = best.divided().shortest(floor);
+            let shorter = best.divided().shortest(floor, wanted)?;
             if shorter.length() > 0.998 * best.length() {
                 break;
             }
             best = shorter;
         }
-        best
+        Ok(best)
     }
 
-    fn skipped(&self, floor: &Floor) -> Route {
+    fn skipped(&self, floor: &Floor, wanted: Wanted<'_>) -> Result<Route, BrokenOff> {
         let mut points = Vec::new();
         let mut rest = self.points.as_slice();
         while let Some((&here, ahead)) = rest.split_first() {
             points.push(here);
+            wanted.check()?;
             // A long way is halved until its end is seen: not the farthest point, but near it.
             let mut farthest = ahead.len().saturating_sub(1);
             while farthest > 0
@@ -58,14 +62,15 @@ impl Route {
             }
             rest = ahead.get(farthest..).unwrap_or_default();
         }
-        Route { points }
+        Ok(Route { points })
     }
 
     /// The shortest way over some of the points, in their order.
-    fn shortest(&self, floor: &Floor) -> Route {
+    fn shortest(&self, floor: &Floor, wanted: Wanted<'_>) -> Result<Route, BrokenOff> {
         // For each point: the length from the start, and the point before.
         let mut best: Vec<(f64, usize)> = vec![(0.0, 0)];
         for (index, &to) in self.points.iter().enumerate().skip(1) {
+            wanted.check()?;
             let mut ways: Vec<(f64, usize)> = self
                 .points
                 .iter()
@@ -91,7 +96,7 @@ impl Route {
             at = best.get(at).map_or(0, |(_, from)| *from);
         }
         points.reverse();
-        Route { points }
+        Ok(Route { points })
     }
 
     fn divided(&self) -> Route {

@@ -9,6 +9,7 @@ use super::polygon::between;
 use super::route::Route;
 use super::sketch::Sketch;
 use crate::sampling::{Space, search};
+use crate::wanted::Wanted;
 
 pub use crate::sampling::Sampling;
 
@@ -27,22 +28,24 @@ pub fn roadmap(
     goal: Point,
     sampling: &Sampling,
 ) -> Result<Route, PlaneError> {
-    Ok(roadmap_sketched(floor, start, goal, sampling)?.0)
+    Ok(roadmap_sketched(floor, start, goal, sampling, Wanted::ALWAYS)?.0)
 }
 
-/// As [`roadmap`], with the edges of the map.
+/// As [`roadmap`], with the edges of the map, as long as the path is `wanted`.
 ///
 /// # Errors
-/// As [`roadmap`].
+/// As [`roadmap`]; [`PlaneError::BrokenOff`].
 pub fn roadmap_sketched(
     floor: &Floor,
     start: Point,
     goal: Point,
     sampling: &Sampling,
+    wanted: Wanted<'_>,
 ) -> Result<(Route, Sketch), PlaneError> {
     floor.check("start", start)?;
     floor.check("goal", goal)?;
-    let found = search(&OnFloor(floor), start, goal, sampling).ok_or(PlaneError::GaveUp {
+    let found = search(&OnFloor(floor), start, goal, sampling, wanted)?;
+    let found = found.ok_or(PlaneError::GaveUp {
         method: "probabilistic roadmap",
         effort: sampling.most,
         unit: "samples",
@@ -51,12 +54,14 @@ pub fn roadmap_sketched(
         cells: Vec::new(),
         edges: found.edges,
     };
-    Ok((Route::new(found.way).shortened(floor), sketch))
+    Ok((Route::new(found.way).shortened(floor, wanted)?, sketch))
 }
 
 struct OnFloor<'a>(&'a Floor);
 
-impl Space<2> for OnFloor<'_> {
+impl Space for OnFloor<'_> {
+    type At = Point;
+
     const LAZY: bool = false;
 
     /// Every other sample is a bridge: the middle between two blocked points not far from each

@@ -8,6 +8,7 @@ use super::graph::shortest;
 use super::polygon::between;
 use super::route::Route;
 use super::sketch::{Sketch, SketchedCell};
+use crate::wanted::{BrokenOff, Wanted};
 
 /// Corners of the polygon around the robot's disc.
 const CORNERS: u32 = 16;
@@ -41,17 +42,18 @@ struct Cell {
 /// Start or goal where the robot cannot stand, no path, or obstacles that overlap in more than
 /// 400,000 trapezoids.
 pub fn trapezoids(floor: &Floor, start: Point, goal: Point) -> Result<Route, PlaneError> {
-    Ok(trapezoids_sketched(floor, start, goal)?.0)
+    Ok(trapezoids_sketched(floor, start, goal, Wanted::ALWAYS)?.0)
 }
 
-/// As [`trapezoids`], with the trapezoids.
+/// As [`trapezoids`], with the trapezoids, as long as the path is `wanted`.
 ///
 /// # Errors
-/// As [`trapezoids`].
+/// As [`trapezoids`]; [`PlaneError::BrokenOff`].
 pub fn trapezoids_sketched(
     floor: &Floor,
     start: Point,
     goal: Point,
+    wanted: Wanted<'_>,
 ) -> Result<(Route, Sketch), PlaneError> {
     floor.check("start", start)?;
     floor.check("goal", goal)?;
@@ -62,7 +64,7 @@ pub fn trapezoids_sketched(
         method: "exact cell decomposition",
         resolution: floor.radius() * (outer() - 1.0),
     };
-    let cells = decompose(floor).ok_or(PlaneError::GaveUp {
+    let cells = decompose(floor, wanted)?.ok_or(PlaneError::GaveUp {
         method: "exact cell decomposition",
         effort: MOST_CELLS,
         unit: "cells or events",
@@ -120,7 +122,7 @@ pub fn trapezoids_sketched(
         cells: cells.iter().map(Cell::sketched).collect(),
         edges: Vec::new(),
     };
-    Ok((Route::new(points).shortened(floor), sketch))
+    Ok((Route::new(points).shortened(floor, wanted)?, sketch))
 }
 
 impl Cell {
@@ -231,13 +233,15 @@ fn hull(mut points: Vec<Point>) -> Vec<Point> {
 }
 
 /// Nothing if there are too many cells.
-fn decompose(floor: &Floor) -> Option<Vec<Cell>> {
+fn decompose(floor: &Floor, wanted: Wanted<'_>) -> Result<Option<Vec<Cell>>, BrokenOff> {
     let pieces = pieces(floor);
     let radius = floor.radius();
     let (left, right) = (floor.min()[0] + radius, floor.max()[0] - radius);
     let (bottom, top) = (floor.min()[1] + radius, floor.max()[1] - radius);
-    let most = usize::try_from(MOST_CELLS).ok()?;
-    let events = events(&pieces, [left, right], [bottom, top], most)?;
+    let most = usize::try_from(MOST_CELLS).unwrap_or(usize::MAX);
+    let Some(events) = events(&pieces, [left, right], [bottom, top], most) else {
+        return Ok(None);
+    };
     let mut cells = Vec::new();
     // Edges by where they begin; those that ended are dropped on the way.
     let mut waiting: Vec<(usize, Point, Point)> = pieces
@@ -259,8 +263,9 @@ fn decompose(floor: &Floor) -> Option<Vec<Cell>> {
     let mut active: Vec<(usize, Point, Point)> = Vec::new();
     let spans = events.iter().zip(events.iter().skip(1));
     for (slab, (&x0, &x1)) in spans.enumerate() {
+        wanted.check()?;
         if cells.len() > most {
-            return None;
+            return Ok(None);
         }
         let x = 0.5 * (x0 + x1);
         while let Some(edge) = waiting.next_if(|(_, a, _)| a[0] < x) {
@@ -308,7 +313,7 @@ fn decompose(floor: &Floor) -> Option<Vec<Cell>> {
             }
         }
     }
-    Some(cells)
+    Ok(Some(cells))
 }
 
 fn height(a: Point, b: Point, x: f64) -> f64 {

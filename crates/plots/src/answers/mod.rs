@@ -2,8 +2,10 @@
 //! [`velocities`].
 
 mod arm;
+mod calibration;
 mod ellipsoid;
 mod motion;
+mod rates;
 mod reach;
 mod route;
 mod solid;
@@ -12,8 +14,10 @@ mod transfer;
 mod wheels;
 
 pub use arm::{Labeled, branches, posture};
+pub use calibration::{Taught, TaughtBy, calibration};
 pub use ellipsoid::velocities;
 pub use motion::{velocity_motion, velocity_motion_joints};
+pub use rates::rates;
 pub use reach::reach;
 pub use route::route;
 pub use trajectory::{TrajectoryLook, joints_in_time, tool_in_space, tool_in_time};

@@ -84,15 +84,8 @@ fn box_wires(low: Point, high: Point, placed: impl Fn(Point) -> Point) -> Vec<Ve
 mod tests {
     use super::*;
 
-    fn pose(w_deg: f64, p_deg: f64, r_deg: f64) -> PoseBody {
-        PoseBody {
-            x_mm: 10.0,
-            y_mm: 20.0,
-            z_mm: 30.0,
-            w_deg,
-            p_deg,
-            r_deg,
-        }
+    fn pose(w: f64, p: f64, r: f64) -> PoseBody {
+        [10.0, 20.0, 30.0, w, p, r].into()
     }
 
     fn is(found: Point, wanted: Point) {

@@ -56,11 +56,15 @@ pub fn transfer(
         points: answer.flange_mm.clone(),
         letters: Vec::new(),
     });
-    let pieces = answer.points_deg.len().saturating_sub(1);
+    let pieces = answer.points_deg_mm.len().saturating_sub(1);
+    let slid = answer
+        .length_mm
+        .map(|length| format!(" and {} mm", short(length)));
+    let slid = slid.unwrap_or_default();
     skeleton(&Skeleton {
         title: format!("{model}: a way that touches nothing"),
         note: format!(
-            "{pieces} straight {} of joint space, {}° together",
+            "{pieces} straight {} of joint space, {}°{slid} together",
             if pieces == 1 { "piece" } else { "pieces" },
             short(answer.length_deg)
         ),

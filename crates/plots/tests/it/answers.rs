@@ -6,20 +6,21 @@
 )]
 
 use api::arms::{
-    ArmForwardBody, ArmFrames, ArmJacobianBody, ArmObstacle, ArmTransferBody,
+    ArmCalibrationBody, ArmCalibrationPoint, ArmDescription, ArmForwardBody, ArmForwardResult,
+    ArmFrames, ArmJacobianBody, ArmObstacle, ArmRatesBody, ArmTransferBody, ArmTwist,
     ArmVelocityMotionBody, ReachBody, ReachGrid, ReachPlane,
 };
 use api::paths::{FloorBody, PlanRouteBody, PolygonBody, RouteMethod, RouteSearch};
-use api::trajectory::{JointStates, TrajectoryBody, TrajectoryKind};
+use api::trajectory::{JointStates, TrajectoryBody, TrajectoryKind, TrajectoryResult};
 use plots::PlotError;
-use plots::answers::{self, Drive, DriveSample, Labeled, TrajectoryLook};
+use plots::answers::{self, Drive, DriveSample, Labeled, Taught, TaughtBy, TrajectoryLook};
 
 use crate::seen::seen;
 
 const MODEL: &str = "fanuc-m20ia";
 const BLUE: &str = "#0072B2";
 
-fn at(model: &str, joints: &[f64]) -> api::arms::ArmForwardResult {
+fn at(model: &str, joints: &[f64]) -> ArmForwardResult {
     let body = ArmForwardBody {
         joints_deg_mm: joints.to_vec(),
         frames: ArmFrames::default(),
@@ -27,7 +28,7 @@ fn at(model: &str, joints: &[f64]) -> api::arms::ArmForwardResult {
     robotics::forward(model, &body).unwrap()
 }
 
-fn trajectory(model: &str, from: &[f64], to: &[f64]) -> api::trajectory::TrajectoryResult {
+fn trajectory(model: &str, from: &[f64], to: &[f64]) -> TrajectoryResult {
     let states = |position: &[f64]| JointStates {
         position_deg_mm: position.to_vec(),
         ..JointStates::default()
@@ -98,21 +99,25 @@ fn joint_sets_that_lie_on_each_other_are_both_seen() {
     assert_eq!(seen.drawn("#D55E00", 1.6).len(), 5);
 }
 
-#[test]
-fn a_trajectory_has_a_panel_for_each_quantity_and_its_limits() {
-    let from = [0.0, 0.0, 0.0, 0.0, -90.0, 0.0];
-    let answer = trajectory(MODEL, &from, &[60.0, 20.0, -20.0, 0.0, -70.0, 0.0]);
-    let arm = robotics::describe(MODEL).unwrap();
-    let look = TrajectoryLook {
+fn look<'a>(arm: &'a ArmDescription, answer: &'a TrajectoryResult) -> TrajectoryLook<'a> {
+    TrajectoryLook {
         title: "A move",
         note: "",
-        arm: &arm,
+        arm,
         samples: &answer.samples,
         peaks: &answer.peaks,
         via_s: &[],
         path_mm: &[],
         failure: None,
-    };
+    }
+}
+
+#[test]
+fn a_trajectory_has_a_panel_for_each_quantity_and_its_limits() {
+    let from = [0.0, 0.0, 0.0, 0.0, -90.0, 0.0];
+    let answer = trajectory(MODEL, &from, &[60.0, 20.0, -20.0, 0.0, -70.0, 0.0]);
+    let arm = robotics::describe(MODEL).unwrap();
+    let look = look(&arm, &answer);
     let drawing = answers::joints_in_time(&look).unwrap();
     let drawn = seen(&drawing);
     for label in [
@@ -146,14 +151,8 @@ fn a_joint_that_slides_has_a_panel_in_millimeters() {
     let answer = trajectory("scara", &[0.0, 0.0, 20.0, 0.0], &[60.0, 60.0, 120.0, 90.0]);
     let arm = robotics::describe("scara").unwrap();
     let look = TrajectoryLook {
-        title: "A move",
-        note: "",
-        arm: &arm,
-        samples: &answer.samples,
-        peaks: &answer.peaks,
         via_s: &[0.1],
-        path_mm: &[],
-        failure: None,
+        ..look(&arm, &answer)
     };
     let drawing = answers::joints_in_time(&look).unwrap();
     let seen = seen(&drawing);
@@ -325,8 +324,8 @@ fn a_transfer_shows_each_edge_of_the_zone() {
         },
     ];
     let body = ArmTransferBody {
-        start_deg: vec![60.0, 20.0, -20.0, 0.0, -70.0, 0.0],
-        goal_deg: vec![-60.0, 20.0, -20.0, 0.0, -70.0, 0.0],
+        start_deg_mm: vec![60.0, 20.0, -20.0, 0.0, -70.0, 0.0],
+        goal_deg_mm: vec![-60.0, 20.0, -20.0, 0.0, -70.0, 0.0],
         obstacles: obstacles[..1].to_vec(),
         ..ArmTransferBody::default()
     };
@@ -370,4 +369,91 @@ fn all_four_wheels_are_seen_even_where_they_turn_alike() {
         assert_eq!(seen.drawn(color, pixels).len(), 1, "{color}");
     }
     assert!(seen.says("limit 12") && seen.says("limit -12") && seen.says("speed in rad/s"));
+}
+
+#[test]
+fn rates_move_the_arm_and_a_velocity_is_a_line() {
+    let joints = [0.0, 0.0, 0.0, 0.0, -90.0, 0.0];
+    let velocity = ArmTwist {
+        linear_mm_s: [0.0, 100.0, 0.0],
+        angular_deg_s: [0.0; 3],
+    };
+    let body = ArmRatesBody {
+        joints_deg_mm: joints.to_vec(),
+        velocity,
+        null_motion_deg_mm_s: None,
+        task: None,
+        frames: ArmFrames::default(),
+    };
+    let answer = robotics::rates(MODEL, &body).unwrap();
+    let moved = joints.iter().zip(&answer.rates_deg_mm_s);
+    let later: Vec<f64> = moved.map(|(at, rate)| at + rate * 0.5).collect();
+    let (now, later) = (at(MODEL, &joints), at(MODEL, &later));
+    let drawing = answers::rates(MODEL, &answer, &velocity, 0.5, (&now, &later)).unwrap();
+    let seen = seen(&drawing);
+    assert!(seen.says("fanuc-m20ia: the arm now, and 0.5 s later at its joints' rates"));
+    let load = format!("{} % of what", (answer.load * 1e5).round() / 1e3);
+    assert!(
+        seen.texts.iter().any(|text| text.starts_with(&load)),
+        "{load}"
+    );
+    // In four pictures and the legend; seen along Y, the velocity is a point.
+    assert_eq!(seen.drawn("#D55E00", 2.4).len(), 5);
+    assert_eq!(seen.drawn(BLUE, 3.0).len(), 5);
+}
+
+#[test]
+fn taught_postures_meet_at_the_place() {
+    let joints = [
+        [5.947, -3.744, -10.63, 0.0, -79.37, -5.947],
+        [5.28, 5.018, -11.157, -2.294, -103.739, -5.333],
+        [9.238, -7.147, -11.451, 18.346, -69.022, 25.58],
+    ];
+    let point = |joints: &[f64; 6]| ArmCalibrationPoint {
+        joints_deg_mm: Some(joints.to_vec()),
+        flange: None,
+    };
+    let body = ArmCalibrationBody {
+        tip: joints.iter().map(point).collect(),
+        ..ArmCalibrationBody::default()
+    };
+    let answer = robotics::calibrate(MODEL, &body).unwrap();
+    let mut taught: Vec<Taught> = (1..)
+        .zip(&joints)
+        .map(|(number, joints)| {
+            let body = ArmForwardBody {
+                joints_deg_mm: joints.to_vec(),
+                frames: ArmFrames {
+                    tool: Some(answer.tool),
+                    user_frame: None,
+                },
+            };
+            Taught {
+                name: format!("tip {number}"),
+                by: TaughtBy::Joints(robotics::forward(MODEL, &body).unwrap()),
+            }
+        })
+        .collect();
+    taught.push(Taught {
+        name: "by its pose".to_owned(),
+        by: TaughtBy::Flange([900.0, 0.0, 800.0, 180.0, 0.0, 0.0].into()),
+    });
+    let drawing = answers::calibration(MODEL, &answer, &taught).unwrap();
+    let seen = seen(&drawing);
+    assert!(seen.says("fanuc-m20ia: a tool by the three-point method"));
+    assert!(seen.says("tip 3") && seen.says("by its pose") && seen.says("place"));
+    // The four ways to the place end in one point of each picture, a tenth of a millimeter being no pixel.
+    let ways = ["#0072B2", "#D55E00", "#009E73", "#E69F00"].map(|color| seen.drawn(color, 3.0));
+    // The first of each is the legend's.
+    for picture in 1..=4 {
+        let ends = ways.each_ref().map(|ways| *ways[picture].last().unwrap());
+        for end in ends {
+            let apart = (end.0 - ends[0].0).hypot(end.1 - ends[0].1);
+            assert!(apart < 0.5, "{ends:?}");
+        }
+    }
+    assert!(matches!(
+        answers::calibration(MODEL, &answer, &[]),
+        Err(PlotError::Empty { .. })
+    ));
 }

@@ -3,15 +3,8 @@
 use api::PoseBody;
 use api::arms::{ArmForwardBody, ArmFrames};
 
-pub(crate) fn pose([x_mm, y_mm, z_mm, w_deg, p_deg, r_deg]: [f64; 6]) -> PoseBody {
-    PoseBody {
-        x_mm,
-        y_mm,
-        z_mm,
-        w_deg,
-        p_deg,
-        r_deg,
-    }
+pub(crate) fn pose(numbers: [f64; 6]) -> PoseBody {
+    numbers.into()
 }
 
 pub(crate) fn forward_of(joints: &[f64]) -> ArmForwardBody {

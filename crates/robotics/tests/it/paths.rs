@@ -1,16 +1,18 @@
 //! The tool along a path, a disc among polygons.
 
-use api::arms::ArmFrames;
+use api::PoseBody;
+use api::arms::{ArmFrames, ArmTask};
 use api::paths::{FloorBody, PlanRouteBody, PolygonBody, RouteMethod, RouteSearch};
 use api::trajectory::{ToolPathBody, ToolPathKind};
 
-use crate::common::{assert_near, pose};
+use crate::common::{assert_near, forward_of, pose};
 
 pub(crate) fn line(goal: [f64; 6]) -> ToolPathBody {
     ToolPathBody {
         kind: ToolPathKind::Line,
         poses: vec![pose([985.0, 0.0, 940.0, 180.0, 0.0, 0.0]), pose(goal)],
-        start_deg: None,
+        start_deg_mm: None,
+        task: None,
         speed_mm_s: 200.0,
         acceleration_mm_s2: None,
         jerk_mm_s3: None,
@@ -92,6 +94,98 @@ fn arcs_circles_and_splines_are_followed() {
             }
         }
     }
+}
+
+/// Between two postures of each arm; what its joints can give of the pose is kept, and its place is on the line.
+#[test]
+fn every_arm_follows_a_line() {
+    for (model, from, to) in [
+        (
+            "textbook-6r",
+            vec![20.0, 60.0, -40.0, 10.0, -50.0, 60.0],
+            vec![40.0, 70.0, -55.0, 20.0, -40.0, 50.0],
+        ),
+        (
+            "five-link",
+            vec![20.0, 45.0, -60.0, 30.0, 40.0],
+            vec![10.0, 55.0, -50.0, 20.0, 30.0],
+        ),
+        (
+            "scara",
+            vec![30.0, 60.0, 100.0, 0.0],
+            vec![-20.0, 80.0, 50.0, 40.0],
+        ),
+        (
+            "seven-joint",
+            vec![10.0, 40.0, 0.0, -70.0, 0.0, 50.0, 0.0],
+            vec![30.0, 50.0, 5.0, -60.0, 5.0, 40.0, 10.0],
+        ),
+        // A task that the closed form does not know is searched for.
+        (
+            "fanuc-m20ia",
+            vec![0.0, 20.0, -20.0, 0.0, -70.0, 0.0],
+            vec![20.0, 30.0, -30.0, 10.0, -60.0, 90.0],
+        ),
+    ] {
+        let at = |joints: &[f64]| robotics::forward(model, &forward_of(joints)).unwrap().tcp;
+        let (start, goal) = (at(&from), at(&to));
+        let question = ToolPathBody {
+            poses: vec![start, goal],
+            start_deg_mm: Some(from.clone()),
+            task: (model == "fanuc-m20ia").then_some(ArmTask::PositionAndAxis),
+            ..line([0.0; 6])
+        };
+        let answer = robotics::tool_path(model, &question).unwrap();
+        assert!(answer.feasible, "{model}: {:?}", answer.failure);
+        let samples = &answer.samples;
+        assert_eq!(samples[0].position_deg_mm, from, "{model}");
+        let place = |pose: &PoseBody| nalgebra::Vector3::new(pose.x_mm, pose.y_mm, pose.z_mm);
+        let (a, b) = (place(&start), place(&goal));
+        for sample in samples {
+            let off = nalgebra::Vector3::from(sample.tcp_mm) - a;
+            let off = off.cross(&(b - a)).norm() / (b - a).norm();
+            assert!(off < 1e-5, "{model}: {off} mm beside the line");
+        }
+        let last = samples.last().unwrap();
+        assert_near(&last.tcp_mm, b.into(), 1e-5);
+        // An arm without a joint to spare ends in the posture that the pose is of.
+        if matches!(model, "textbook-6r" | "five-link" | "scara") {
+            let off = last.position_deg_mm.iter().zip(&to);
+            let off = off
+                .map(|(is, wanted)| (is - wanted).abs())
+                .fold(0.0, f64::max);
+            assert!(off < 1e-3, "{model}: {last:?}");
+        }
+        for peaks in &answer.peaks {
+            let [least, most] = peaks.range_deg_mm;
+            assert!(peaks.min_deg_mm >= least - 1e-6 && peaks.max_deg_mm <= most + 1e-6);
+            let most = peaks.max_velocity_deg_mm_s * 1.001;
+            assert!(peaks.velocity_deg_mm_s <= most, "{model}: {peaks:?}");
+        }
+    }
+}
+
+#[test]
+fn a_search_that_does_not_get_there_says_how_near_it_came() {
+    // The stretched arm reaches 600 mm.
+    let question = ToolPathBody {
+        poses: vec![
+            pose([400.0, 0.0, 300.0, 180.0, 0.0, 0.0]),
+            pose([800.0, 0.0, 300.0, 180.0, 0.0, 0.0]),
+        ],
+        ..line([0.0; 6])
+    };
+    let answer = robotics::tool_path("scara", &question).unwrap();
+    let failure = answer.failure.unwrap();
+    assert_near(&[failure.parameter], [0.5], 0.01);
+    assert!(failure.reason.starts_with("not reached: "), "{failure:?}");
+    // A start that is elsewhere, of a joint that slides: 400 - 20 - 80 = 300.
+    let elsewhere = ToolPathBody {
+        start_deg_mm: Some(vec![30.0, 60.0, 81.0, 0.0]),
+        ..question
+    };
+    let refusal = robotics::tool_path("scara", &elsewhere).unwrap_err();
+    assert!(refusal.path.starts_with("start_deg_mm["), "{refusal}");
 }
 
 pub(crate) fn floor(method: RouteMethod) -> PlanRouteBody {

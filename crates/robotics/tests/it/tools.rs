@@ -5,7 +5,11 @@ use api::arms::{
     ArmTransferBody, ReachBody, ReachGrid, ReachPlane,
 };
 
+use api::paths::RouteMethod;
+use robotics::{RefusalKind, Wanted};
+
 use crate::common::{assert_near, forward_of, pose};
+use crate::paths::{floor, line};
 
 fn at(flange: [f64; 6]) -> ArmCalibrationPoint {
     ArmCalibrationPoint {
@@ -169,8 +173,8 @@ fn the_reach_of_the_scara_is_a_ring() {
 #[test]
 fn a_transfer_goes_around_what_is_in_the_way() {
     let question = ArmTransferBody {
-        start_deg: vec![45.0, 20.0, -20.0, 0.0, -70.0, 0.0],
-        goal_deg: vec![-45.0, 20.0, -20.0, 0.0, -70.0, 0.0],
+        start_deg_mm: vec![45.0, 20.0, -20.0, 0.0, -70.0, 0.0],
+        goal_deg_mm: vec![-45.0, 20.0, -20.0, 0.0, -70.0, 0.0],
         obstacles: vec![ArmObstacle::KeepOut {
             min_mm: [700.0, -100.0, -500.0],
             max_mm: [1500.0, 100.0, 900.0],
@@ -178,12 +182,12 @@ fn a_transfer_goes_around_what_is_in_the_way() {
         ..ArmTransferBody::default()
     };
     let answer = robotics::transfer("fanuc-m20ia", &question).unwrap();
-    assert!(answer.points_deg.len() > 2 && answer.length_deg > 90.0);
-    assert_eq!(answer.points_deg.first(), Some(&question.start_deg));
-    assert_eq!(answer.points_deg.last(), Some(&question.goal_deg));
+    assert!(answer.points_deg_mm.len() > 2 && answer.length_deg > 90.0);
+    assert_eq!(answer.points_deg_mm.first(), Some(&question.start_deg_mm));
+    assert_eq!(answer.points_deg_mm.last(), Some(&question.goal_deg_mm));
     assert_eq!(
         answer.flange_mm.len(),
-        16 * (answer.points_deg.len() - 1) + 1
+        16 * (answer.points_deg_mm.len() - 1) + 1
     );
     for point in &answer.flange_mm {
         let [x, y, z] = *point;
@@ -202,10 +206,90 @@ fn a_transfer_goes_around_what_is_in_the_way() {
     let answer = robotics::transfer("fanuc-m20ia", &free).unwrap();
     assert_near(&[answer.length_deg], [90.0], 1e-9);
     // The flange is where the forward kinematics has it.
-    let there = robotics::forward("fanuc-m20ia", &forward_of(&free.start_deg)).unwrap();
+    let there = robotics::forward("fanuc-m20ia", &forward_of(&free.start_deg_mm)).unwrap();
     assert_near(
         &answer.flange_mm[0],
         [there.tcp.x_mm, there.tcp.y_mm, there.tcp.z_mm],
         1e-6,
     );
+}
+
+/// Each arm turns its first joint to and fro; a box is where its flange would be in the middle.
+#[test]
+fn every_arm_goes_around_a_box() {
+    for (model, posture) in [
+        ("fanuc-m20ia", vec![0.0, 20.0, -20.0, 0.0, -70.0, 0.0]),
+        (
+            "fanuc-m20ia-machine",
+            vec![0.0, 20.0, -20.0, 0.0, -70.0, 0.0],
+        ),
+        ("textbook-6r", vec![0.0, 60.0, -60.0, 0.0, -60.0, 0.0]),
+        ("five-link", vec![0.0, 45.0, -60.0, 0.0, 30.0]),
+        ("scara", vec![0.0, 30.0, 100.0, 0.0]),
+        ("seven-joint", vec![0.0, 40.0, 0.0, -70.0, 0.0, 50.0, 0.0]),
+    ] {
+        let turned = |j1: f64| {
+            let mut joints = posture.clone();
+            joints[0] = j1;
+            joints
+        };
+        let middle = robotics::forward(model, &forward_of(&turned(0.0))).unwrap();
+        let at = [middle.flange.x_mm, middle.flange.y_mm, middle.flange.z_mm];
+        let (min, max) = (at.map(|value| value - 30.0), at.map(|value| value + 30.0));
+        let question = ArmTransferBody {
+            start_deg_mm: turned(-40.0),
+            goal_deg_mm: turned(40.0),
+            obstacles: vec![ArmObstacle::KeepOut {
+                min_mm: min,
+                max_mm: max,
+            }],
+            margin_mm: Some(5.0),
+            ..ArmTransferBody::default()
+        };
+        let answer = robotics::transfer(model, &question).unwrap();
+        assert!(answer.points_deg_mm.len() > 2, "{model}");
+        assert_eq!(answer.points_deg_mm.last(), Some(&question.goal_deg_mm));
+        assert_eq!(answer.length_mm.is_some(), model == "scara");
+        for point in &answer.flange_mm {
+            let mut coordinates = point.iter().zip(min).zip(max);
+            let inside = coordinates.all(|((value, min), max)| (min..max).contains(value));
+            assert!(!inside, "{model}: {point:?}");
+        }
+    }
+}
+
+#[test]
+fn what_nobody_waits_for_is_broken_off() {
+    let over = Wanted::while_true(&|| false);
+    let transfer = ArmTransferBody {
+        start_deg_mm: vec![45.0, 20.0, -20.0, 0.0, -70.0, 0.0],
+        goal_deg_mm: vec![-45.0, 20.0, -20.0, 0.0, -70.0, 0.0],
+        obstacles: vec![ArmObstacle::KeepOut {
+            min_mm: [700.0, -100.0, -500.0],
+            max_mm: [1500.0, 100.0, 900.0],
+        }],
+        ..ArmTransferBody::default()
+    };
+    let path = line([985.0, 400.0, 940.0, 180.0, 0.0, 0.0]);
+    let mut ends = vec![
+        robotics::transfer_while("fanuc-m20ia", &transfer, over).map(|_| ()),
+        robotics::tool_path_while("fanuc-m20ia", &path, over).map(|_| ()),
+        robotics::reach_while("fanuc-m20ia", &grid(400.0, None), over).map(|_| ()),
+    ];
+    for method in [
+        RouteMethod::Trapezoidal,
+        RouteMethod::Quadtree,
+        RouteMethod::PotentialField,
+        RouteMethod::Roadmap,
+    ] {
+        ends.push(robotics::plan_route_while(&floor(method), over).map(|_| ()));
+    }
+    for end in ends {
+        let refusal = end.unwrap_err();
+        assert_eq!(refusal.kind, RefusalKind::BrokenOff, "{refusal}");
+        assert_eq!(
+            refusal.to_string(),
+            "broken off: nobody waits for the answer any more"
+        );
+    }
 }

@@ -47,24 +47,9 @@ impl ControllerView {
 
 fn pose_body(pose: &WirePose) -> PoseBody {
     let ([x, y, z], [w, p, r]) = (pose.position(), pose.rotation());
-    PoseBody {
-        x_mm: x.0,
-        y_mm: y.0,
-        z_mm: z.0,
-        w_deg: w.0,
-        p_deg: p.0,
-        r_deg: r.0,
-    }
+    [x.0, y.0, z.0, w.0, p.0, r.0].into()
 }
 
 fn joints_body(joints: &WireJoints) -> JointsBody {
-    let [j1, j2, j3, j4, j5, j6] = joints.degrees().map(|joint| joint.0);
-    JointsBody {
-        j1_deg: j1,
-        j2_deg: j2,
-        j3_deg: j3,
-        j4_deg: j4,
-        j5_deg: j5,
-        j6_deg: j6,
-    }
+    joints.degrees().map(|joint| joint.0).into()
 }

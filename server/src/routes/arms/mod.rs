@@ -4,6 +4,8 @@ mod paths;
 mod planning;
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use api::arms::{
     ArmCalibrationBody, ArmCalibrationResult, ArmDescription, ArmForwardBody, ArmForwardResult,
@@ -14,7 +16,8 @@ use api::{ProblemCode, Violation};
 use axum::Json;
 use axum::extract::{FromRequestParts, State};
 use axum::http::request::Parts;
-use robotics::{Refusal, RefusalKind};
+use robotics::{Refusal, RefusalKind, Wanted};
+use tokio::time::Instant;
 use utoipa::IntoParams;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -78,8 +81,16 @@ pub(super) fn refused(refusal: Refusal) -> Problem {
         RefusalKind::JointLimit => ProblemCode::JointLimitExceeded,
         RefusalKind::Singular => ProblemCode::Singularity,
         RefusalKind::NoWay => ProblemCode::NoWay,
+        RefusalKind::BrokenOff => ProblemCode::RequestTimeout,
     };
     let problem = Problem::new(code, refusal.to_string());
+    if refusal.kind == RefusalKind::BrokenOff {
+        let detail = format!(
+            "the question was given up after {} s; one that asks for less (samples, steps, poses, a coarser resolution) may be answered",
+            LONGEST.as_secs()
+        );
+        return Problem::new(code, detail);
+    }
     if refusal.path.is_empty() {
         return problem;
     }
@@ -94,6 +105,29 @@ pub(super) fn refused(refusal: Refusal) -> Problem {
 
 fn answered<T>(answer: Result<T, Refusal>) -> Result<Json<T>, Problem> {
     answer.map(Json).map_err(refused)
+}
+
+/// The longest that one question may keep the place for computing from all others.
+const LONGEST: Duration = Duration::from_secs(30);
+
+/// Whether the answer is still wanted.
+fn goes_on(given_up: &AtomicBool, until: Instant) -> bool {
+    !given_up.load(Ordering::Relaxed) && Instant::now() < until
+}
+
+/// Answers a question that takes long, in the place for it.
+///
+/// A search that looks at what it is given ends soon after the caller went away, or after [`LONGEST`].
+async fn computed<T: Send + 'static>(
+    app: &App,
+    question: impl FnOnce(Wanted<'_>) -> Result<T, Refusal> + Send + 'static,
+) -> Result<Json<T>, Problem> {
+    let work = move |given_up: &AtomicBool| {
+        let until = Instant::now() + LONGEST;
+        let still = || goes_on(given_up, until);
+        question(Wanted::while_true(&still)).map_err(refused)
+    };
+    compute(app, work).await.map(Json)
 }
 
 /// Lists the arm models that are known.
@@ -154,10 +188,7 @@ async fn arm_inverse(
     ListJson(body): ListJson<ArmInverseBody>,
 ) -> Result<Json<ArmInverseResult>, Problem> {
     if robotics::is_search(&model, &body).map_err(refused)? {
-        let searched = compute(&app, move |_| {
-            robotics::inverse(&model, &body).map_err(refused)
-        });
-        return searched.await.map(Json);
+        return computed(&app, move |_| robotics::inverse(&model, &body)).await;
     }
     answered(robotics::inverse(&model, &body))
 }
@@ -216,4 +247,18 @@ async fn arm_calibrate_tool(
     ListJson(body): ListJson<ArmCalibrationBody>,
 ) -> Result<Json<ArmCalibrationResult>, Problem> {
     answered(robotics::calibrate(&model, &body))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_answer_is_wanted_until_its_time_is_up_or_nobody_waits() {
+        let (waits, now) = (AtomicBool::new(false), Instant::now());
+        assert!(goes_on(&waits, now + LONGEST));
+        assert!(!goes_on(&waits, now));
+        waits.store(true, Ordering::Relaxed);
+        assert!(!goes_on(&waits, now + LONGEST));
+    }
 }

@@ -8,8 +8,7 @@ use axum::extract::State;
 
 use super::super::mobile_robots::{MobileRobotOf, MobileRobotPath};
 use super::super::responses::{AnyProblem, BodyProblem, CrossSite, InvalidJson, NotFound};
-use super::refused;
-use crate::compute::compute;
+use super::{computed, refused};
 use crate::extract::ListJson;
 use crate::problem::Problem;
 use crate::state::App;
@@ -29,8 +28,10 @@ pub(super) async fn plan_route(
     State(app): State<Arc<App>>,
     ListJson(body): ListJson<PlanRouteBody>,
 ) -> Result<Json<PlanRouteResult>, Problem> {
-    let computed = compute(&app, move |_| robotics::plan_route(&body).map_err(refused));
-    computed.await.map(Json)
+    computed(&app, move |wanted| {
+        robotics::plan_route_while(&body, wanted)
+    })
+    .await
 }
 
 /// Plans a path of a mobile robot around what stands in the cell's set-up. Nothing is sent.
@@ -60,8 +61,8 @@ pub(super) async fn plan_mobile_robot_route(
         .map(|state| [state.pose.x_mm, state.pose.y_mm]);
     let question = robotics::route_in_cell(&cell.setup.current().file, &id, at, &body);
     let question = question.map_err(refused)?;
-    let computed = compute(&app, move |_| {
-        robotics::plan_route(&question).map_err(refused)
-    });
-    computed.await.map(Json)
+    computed(&app, move |wanted| {
+        robotics::plan_route_while(&question, wanted)
+    })
+    .await
 }

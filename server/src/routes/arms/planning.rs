@@ -12,8 +12,7 @@ use axum::extract::State;
 
 use super::super::params::{RobotOf, RobotPath};
 use super::super::responses::{AnyProblem, BodyProblem, CrossSite, InvalidJson, NotFound};
-use super::{ArmPath, ModelName, answered, refused};
-use crate::compute::compute;
+use super::{ArmPath, ModelName, answered, computed};
 use crate::config::RobotPlan;
 use crate::extract::ListJson;
 use crate::problem::Problem;
@@ -37,10 +36,7 @@ pub(super) async fn arm_velocity_motion(
     ModelName(model): ModelName,
     ListJson(body): ListJson<ArmVelocityMotionBody>,
 ) -> Result<Json<ArmVelocityMotionResult>, Problem> {
-    let computed = compute(&app, move |_| {
-        robotics::velocity_motion(&model, &body).map_err(refused)
-    });
-    computed.await.map(Json)
+    computed(&app, move |_| robotics::velocity_motion(&model, &body)).await
 }
 
 /// Counts in how many ways an arm model reaches each of a set of poses, or each point of a plane.
@@ -60,10 +56,10 @@ pub(super) async fn arm_reachability(
     ModelName(model): ModelName,
     ListJson(body): ListJson<ReachBody>,
 ) -> Result<Json<ReachResult>, Problem> {
-    let computed = compute(&app, move |_| {
-        robotics::reach(&model, &body).map_err(refused)
-    });
-    computed.await.map(Json)
+    computed(&app, move |wanted| {
+        robotics::reach_while(&model, &body, wanted)
+    })
+    .await
 }
 
 /// Plans a trajectory of an arm model's joints: polynomials, jerk-limited, or past via points.
@@ -83,10 +79,7 @@ pub(super) async fn arm_trajectory(
     ModelName(model): ModelName,
     ListJson(body): ListJson<TrajectoryBody>,
 ) -> Result<Json<TrajectoryResult>, Problem> {
-    let computed = compute(&app, move |_| {
-        robotics::trajectory(&model, &body).map_err(refused)
-    });
-    computed.await.map(Json)
+    computed(&app, move |_| robotics::trajectory(&model, &body)).await
 }
 
 /// Follows a line, an arc, a circle or a spline with the tool of an arm model, and says where the arm cannot.
@@ -106,10 +99,10 @@ pub(super) async fn arm_tool_path(
     ModelName(model): ModelName,
     ListJson(body): ListJson<ToolPathBody>,
 ) -> Result<Json<ToolPathResult>, Problem> {
-    let computed = compute(&app, move |_| {
-        robotics::tool_path(&model, &body).map_err(refused)
-    });
-    computed.await.map(Json)
+    computed(&app, move |wanted| {
+        robotics::tool_path_while(&model, &body, wanted)
+    })
+    .await
 }
 
 /// Finds a way of an arm model's joints on which it touches no obstacle.
@@ -129,10 +122,10 @@ pub(super) async fn arm_transfer(
     ModelName(model): ModelName,
     ListJson(body): ListJson<ArmTransferBody>,
 ) -> Result<Json<ArmTransferResult>, Problem> {
-    let computed = compute(&app, move |_| {
-        robotics::transfer(&model, &body).map_err(refused)
-    });
-    computed.await.map(Json)
+    computed(&app, move |wanted| {
+        robotics::transfer_while(&model, &body, wanted)
+    })
+    .await
 }
 
 /// The robot's own frames where the question has none.
@@ -165,10 +158,10 @@ pub(super) async fn robot_reachability(
 ) -> Result<Json<ReachResult>, Problem> {
     with_own(&mut body.frames, &robot.plan);
     let model = robot.plan.model.name().to_owned();
-    let computed = compute(&app, move |_| {
-        robotics::reach(&model, &body).map_err(refused)
-    });
-    computed.await.map(Json)
+    computed(&app, move |wanted| {
+        robotics::reach_while(&model, &body, wanted)
+    })
+    .await
 }
 
 /// Computes the Jacobians of a robot at its tool, in its user frame: geometric, analytic, rank, what is lost.

@@ -69,14 +69,7 @@ pub(super) async fn calibrate_tool(
         max,
         uncertainty,
     } = four_point(&flanges, limit).map_err(|error| refused(&error))?;
-    let turned = orientation.unwrap_or(PoseBody {
-        x_mm: 0.0,
-        y_mm: 0.0,
-        z_mm: 0.0,
-        w_deg: 0.0,
-        p_deg: 0.0,
-        r_deg: 0.0,
-    });
+    let turned = orientation.unwrap_or(PoseBody::from([0.0; 6]));
     Ok(Json(CalibrationResult {
         frame: PoseBody {
             x_mm: shown(tip.x),

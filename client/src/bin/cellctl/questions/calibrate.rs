@@ -1,17 +1,19 @@
 //! `cellctl arm calibrate`: a tool out of taught points.
 
-use api::arms::{ArmCalibrationBody, ArmCalibrationPoint, ArmCalibrationResult};
+use api::arms::{ArmCalibrationBody, ArmCalibrationPoint, ArmCalibrationResult, ArmFrames};
 use clap::Args;
+use plots::answers::{self, Taught, TaughtBy};
 
 use super::desk::Desk;
-use super::input::{FileArgs, Numbers, read};
-use super::show::point;
+use super::input::{FileArgs, Numbers};
+use super::show::{PlotArgs, finish, point};
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::report::{Exit, Report};
 use crate::text::{self, thousandths, word};
 
-/// Calculate a tool out of taught postures: its tip at one place (three points), and its directions (six points).
+/// Calculate a tool out of taught postures: its tip at one place (three points), and its directions (six points);
+/// --plot draws the postures with that tool.
 ///
 /// Example:
 ///   cellctl arm calibrate fanuc-m20ia --tip 0,20,-20,0,-70,0 --tip 10,22,-21,30,-60,5 --tip -10,25,-18,-30,-65,-5
@@ -50,6 +52,8 @@ pub(super) struct CalibrateArgs {
     along_z: Option<Numbers>,
     #[command(flatten)]
     file: FileArgs,
+    #[command(flatten)]
+    plot: PlotArgs,
 }
 
 pub(super) async fn run(args: CalibrateArgs, context: &Context) -> Result<Report, Failure> {
@@ -57,17 +61,57 @@ pub(super) async fn run(args: CalibrateArgs, context: &Context) -> Result<Report
         joints_deg_mm: Some(joints),
         flange: None,
     };
-    let body = match &args.file.file {
-        Some(file) => read(file)?,
-        None => ArmCalibrationBody {
+    let body = args.file.question(|| {
+        Ok(ArmCalibrationBody {
             tip: args.tip.into_iter().map(taught).collect(),
             orient_origin: args.orient_origin.map(taught),
             along_x: args.along_x.map(taught),
             along_z: args.along_z.map(taught),
-        },
+        })
+    })?;
+    let desk = Desk::of(context);
+    let answer = desk.calibrate(&args.model, &body).await?;
+    let drawing = match &args.plot.plot {
+        None => None,
+        Some(picture) => {
+            let held = held(&desk, &args.model, &body, &answer).await?;
+            Some((picture, answers::calibration(&args.model, &answer, &held)?))
+        }
     };
-    let answer = Desk::of(context).calibrate(&args.model, &body).await?;
-    Ok(context.report(Exit::Done, &answer, fitted))
+    finish(context, Exit::Done, &answer, drawing, fitted)
+}
+
+/// The taught postures with the tool that was found.
+async fn held(
+    desk: &Desk,
+    model: &str,
+    body: &ArmCalibrationBody,
+    answer: &ArmCalibrationResult,
+) -> Result<Vec<Taught>, Failure> {
+    let frames = ArmFrames {
+        tool: Some(answer.tool),
+        user_frame: None,
+    };
+    let directions = [
+        ("orient origin", &body.orient_origin),
+        ("along X", &body.along_x),
+        ("along Z", &body.along_z),
+    ];
+    let named = (1..).zip(&body.tip);
+    let tips = named.map(|(number, point)| (format!("tip {number}"), point));
+    let directions = directions
+        .into_iter()
+        .filter_map(|(name, point)| Some((name.to_owned(), point.as_ref()?)));
+    let mut held = Vec::new();
+    for (name, point) in tips.chain(directions) {
+        let by = match (&point.joints_deg_mm, point.flange) {
+            (Some(joints), _) => TaughtBy::Joints(desk.at(model, joints, &frames).await?),
+            (None, Some(flange)) => TaughtBy::Flange(flange),
+            (None, None) => continue,
+        };
+        held.push(Taught { name, by });
+    }
+    Ok(held)
 }
 
 fn fitted(answer: &ArmCalibrationResult) -> String {

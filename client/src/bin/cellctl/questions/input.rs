@@ -9,6 +9,7 @@ use api::arms::{ArmFrames, ArmSolver, ArmTask};
 use clap::{Args, ValueEnum};
 use serde::de::DeserializeOwned;
 
+use super::show::PlotArgs;
 use crate::failure::Failure;
 use crate::numbers::finite;
 
@@ -50,15 +51,8 @@ impl<const N: usize> FromStr for Row<N> {
 }
 
 impl From<Row<6>> for PoseBody {
-    fn from(Row([x_mm, y_mm, z_mm, w_deg, p_deg, r_deg]): Row<6>) -> Self {
-        Self {
-            x_mm,
-            y_mm,
-            z_mm,
-            w_deg,
-            p_deg,
-            r_deg,
-        }
+    fn from(Row(numbers): Row<6>) -> Self {
+        numbers.into()
     }
 }
 
@@ -108,7 +102,7 @@ impl From<TaskArg> for ArmTask {
 
 /// How inverse kinematics are solved.
 #[derive(Clone, Copy, Debug, ValueEnum)]
-pub(super) enum MethodArg {
+enum MethodArg {
     /// Ortho-parallel arms with a spherical wrist.
     ClosedForm,
     /// Six revolute joints with a spherical wrist, through the quartic in tan(q3/2).
@@ -138,14 +132,73 @@ impl From<MethodArg> for ArmSolver {
 pub(super) struct FileArgs {
     /// The question as the HTTP API takes it, in a `.json` or `.toml` file; `-` reads JSON from the standard input.
     #[arg(long, value_name = "FILE")]
-    pub(super) file: Option<PathBuf>,
+    file: Option<PathBuf>,
+}
+
+/// An arm at given joints.
+#[derive(Args, Clone, Debug)]
+pub(super) struct PostureArgs {
+    /// The model.
+    pub(super) model: String,
+    /// The joint values, base first.
+    #[arg(allow_negative_numbers = true, value_parser = finite, required_unless_present = "file",
+        conflicts_with = "file")]
+    pub(super) joints: Vec<f64>,
+}
+
+/// How inverse kinematics are solved, and for what.
+#[derive(Args, Clone, Copy, Debug)]
+pub(super) struct SolverArgs {
+    /// How to solve; the best that the model has if absent.
+    #[arg(long, value_enum)]
+    method: Option<MethodArg>,
+    /// What of the poses counts, by damped least squares; what the model can do if absent.
+    #[arg(long, value_enum)]
+    task: Option<TaskArg>,
+}
+
+impl SolverArgs {
+    pub(super) fn method(self) -> Option<ArmSolver> {
+        self.method.map(Into::into)
+    }
+
+    pub(super) fn task(self) -> Option<ArmTask> {
+        self.task.map(Into::into)
+    }
+}
+
+/// What every question about poses ends with: frames, a file, a drawing.
+#[derive(Args, Clone, Debug)]
+pub(super) struct AskArgs {
+    #[command(flatten)]
+    pub(super) frames: FrameArgs,
+    #[command(flatten)]
+    pub(super) file: FileArgs,
+    #[command(flatten)]
+    pub(super) plot: PlotArgs,
+}
+
+impl FileArgs {
+    /// The question in the file, or else that of the options.
+    ///
+    /// # Errors
+    /// The file's, or the options'.
+    pub(super) fn question<T: DeserializeOwned>(
+        &self,
+        of_options: impl FnOnce() -> Result<T, Failure>,
+    ) -> Result<T, Failure> {
+        match &self.file {
+            Some(file) => read(file),
+            None => of_options(),
+        }
+    }
 }
 
 /// Reads a question.
 ///
 /// # Errors
 /// It cannot be read, or is none: with the item that is wrong.
-pub(super) fn read<T: DeserializeOwned>(path: &Path) -> Result<T, Failure> {
+fn read<T: DeserializeOwned>(path: &Path) -> Result<T, Failure> {
     let shown = path.display();
     let unreadable = |error: std::io::Error| Failure::Usage(format!("reading {shown}: {error}"));
     let mut bytes = Vec::new();

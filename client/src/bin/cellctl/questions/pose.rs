@@ -8,8 +8,8 @@ use clap::Args;
 use plots::answers::{self, Labeled};
 
 use super::desk::Desk;
-use super::input::{FileArgs, FrameArgs, MethodArg, Numbers, Row, TaskArg, needed, read};
-use super::show::{PlotArgs, exit_if, finish, outside, point, unit};
+use super::input::{AskArgs, Numbers, PostureArgs, Row, SolverArgs, needed};
+use super::show::{exit_if, finish, outside, point, unit};
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::numbers::finite;
@@ -24,35 +24,23 @@ use crate::text::{self, Table, thousandths, word};
 #[derive(Args, Debug)]
 #[command(verbatim_doc_comment)]
 pub(super) struct FkArgs {
-    /// The model.
-    model: String,
-    /// The joint values, base first.
-    #[arg(allow_negative_numbers = true, value_parser = finite, required_unless_present = "file",
-        conflicts_with = "file")]
-    joints: Vec<f64>,
     #[command(flatten)]
-    frames: FrameArgs,
+    posture: PostureArgs,
     #[command(flatten)]
-    file: FileArgs,
-    #[command(flatten)]
-    plot: PlotArgs,
+    ask: AskArgs,
 }
 
 pub(super) async fn forward(args: FkArgs, context: &Context) -> Result<Report, Failure> {
     let FkArgs {
-        model,
-        joints,
-        frames,
-        file,
-        plot,
+        posture: PostureArgs { model, joints },
+        ask: AskArgs { frames, file, plot },
     } = args;
-    let body = match &file.file {
-        Some(file) => read(file)?,
-        None => ArmForwardBody {
+    let body = file.question(|| {
+        Ok(ArmForwardBody {
             joints_deg_mm: joints,
             frames: frames.into(),
-        },
-    };
+        })
+    })?;
     let answer = Desk::of(context).forward(&model, &body).await?;
     let drawing = match &plot.plot {
         None => None,
@@ -117,26 +105,19 @@ pub(super) struct IkArgs {
     /// F of the five-link arm.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, requires = "e")]
     f: Option<Row<3>>,
-    /// How to solve; the best that the model has if absent.
-    #[arg(long, value_enum)]
-    method: Option<MethodArg>,
-    /// What of the pose counts, by damped least squares; what the model can do if absent.
-    #[arg(long, value_enum)]
-    task: Option<TaskArg>,
+    #[command(flatten)]
+    solver: SolverArgs,
     /// The present joints: branches are ordered by the distance from them. Home if absent.
     #[arg(long, value_name = "J1,J2,..", allow_hyphen_values = true)]
     near: Option<Numbers>,
     #[command(flatten)]
-    frames: FrameArgs,
-    #[command(flatten)]
-    file: FileArgs,
-    #[command(flatten)]
-    plot: PlotArgs,
+    ask: AskArgs,
 }
 
 pub(super) async fn inverse(args: IkArgs, context: &Context) -> Result<Report, Failure> {
-    let (model, plot) = (args.model.clone(), args.plot.clone());
-    let body: ArmInverseBody = question(args)?;
+    let (model, plot) = (args.model.clone(), args.ask.plot.clone());
+    let file = args.ask.file.clone();
+    let body = file.question(|| of_options(args))?;
     let desk = Desk::of(context);
     let arm = desk.describe(&model).await?;
     let answer = desk.inverse(&model, &body).await?;
@@ -170,10 +151,7 @@ fn label(index: usize, branch: &ArmBranch) -> String {
     }
 }
 
-fn question(args: IkArgs) -> Result<ArmInverseBody, Failure> {
-    if let Some(file) = &args.file.file {
-        return read(file);
-    }
+fn of_options(args: IkArgs) -> Result<ArmInverseBody, Failure> {
     let points = match (args.e, args.f) {
         (Some(Row(e_mm)), Some(Row(f_mm))) => Some(FiveLinkPoints { e_mm, f_mm }),
         (_, _) => None,
@@ -189,11 +167,11 @@ fn question(args: IkArgs) -> Result<ArmInverseBody, Failure> {
     Ok(ArmInverseBody {
         pose,
         points,
-        method: args.method.map(Into::into),
-        task: args.task.map(Into::into),
+        method: args.solver.method(),
+        task: args.solver.task(),
         near_deg_mm: args.near.map(|Numbers(joints)| joints),
         search: None,
-        frames: args.frames.into(),
+        frames: args.ask.frames.into(),
     })
 }
 

@@ -8,7 +8,7 @@ use plots::answers;
 
 use super::desk::Desk;
 use super::drive::{self, BaseArgs};
-use super::input::{FileArgs, Numbers, Row, needed, read};
+use super::input::{FileArgs, Numbers, Row, needed};
 use super::show::{PlotArgs, finish};
 use crate::context::Context;
 use crate::failure::Failure;
@@ -165,19 +165,15 @@ pub(crate) async fn run(args: RouteArgs, context: &Context) -> Result<Report, Fa
 }
 
 fn question(args: &PlanRouteArgs) -> Result<PlanRouteBody, Failure> {
-    let mut body: PlanRouteBody = match &args.file.file {
-        Some(file) => read(file)?,
-        None => from_options(args)?,
-    };
+    let mut body = args.file.question(|| from_options(args))?;
     args.refine(&mut body.search);
     Ok(body)
 }
 
 /// What is not said is what the cell knows.
 fn question_in_cell(args: &PlanRouteArgs) -> Result<CellRouteBody, Failure> {
-    let mut body: CellRouteBody = match &args.file.file {
-        Some(file) => read(file)?,
-        None => CellRouteBody {
+    let mut body = args.file.question(|| {
+        Ok(CellRouteBody {
             goal: args.to.clone(),
             goal_mm: args.goal.map(|Row(goal)| goal),
             start_mm: args.start.map(|Row(start)| start),
@@ -185,8 +181,8 @@ fn question_in_cell(args: &PlanRouteArgs) -> Result<CellRouteBody, Failure> {
             floor: args.floor.map(floor),
             obstacles: obstacles(&args.obstacle)?,
             search: RouteSearch::default(),
-        },
-    };
+        })
+    })?;
     args.refine(&mut body.search);
     Ok(body)
 }

@@ -5,8 +5,8 @@ use clap::{Args, ValueEnum};
 use plots::answers;
 
 use super::desk::Desk;
-use super::input::{FileArgs, FrameArgs, MethodArg, Row, TaskArg, needed, read};
-use super::show::{PlotArgs, exit_if, finish};
+use super::input::{AskArgs, Row, SolverArgs, needed};
+use super::show::{exit_if, finish};
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::numbers::finite;
@@ -42,18 +42,10 @@ pub(super) struct ReachArgs {
     /// The tool's W, P and R in degrees; 0 if absent.
     #[arg(long, value_name = "W,P,R", allow_hyphen_values = true)]
     turn: Option<Row<3>>,
-    /// How to solve; the best that the model has if absent.
-    #[arg(long, value_enum)]
-    method: Option<MethodArg>,
-    /// What of the poses counts, by damped least squares; what the model can do if absent.
-    #[arg(long, value_enum)]
-    task: Option<TaskArg>,
     #[command(flatten)]
-    frames: FrameArgs,
+    solver: SolverArgs,
     #[command(flatten)]
-    file: FileArgs,
-    #[command(flatten)]
-    plot: PlotArgs,
+    ask: AskArgs,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -65,8 +57,8 @@ enum PlaneArg {
 }
 
 pub(super) async fn run(args: ReachArgs, context: &Context) -> Result<Report, Failure> {
-    let (model, plot) = (&args.model, &args.plot);
-    let body = question(&args)?;
+    let (model, plot) = (&args.model, &args.ask.plot);
+    let body = args.ask.file.question(|| of_options(&args))?;
     if plot.plot.is_some() && body.grid.is_none() {
         return Err(Failure::Usage(
             "a list of poses has no map: --plot needs a grid".to_owned(),
@@ -81,10 +73,7 @@ pub(super) async fn run(args: ReachArgs, context: &Context) -> Result<Report, Fa
     finish(context, exit, &answer, drawing, counted)
 }
 
-fn question(args: &ReachArgs) -> Result<ReachBody, Failure> {
-    if let Some(file) = &args.file.file {
-        return read(file);
-    }
+fn of_options(args: &ReachArgs) -> Result<ReachBody, Failure> {
     let Row([w_deg, p_deg, r_deg]) = args.turn.unwrap_or(Row([0.0; 3]));
     let grid = ReachGrid {
         plane: match needed(args.plane, "--plane")? {
@@ -103,9 +92,9 @@ fn question(args: &ReachArgs) -> Result<ReachBody, Failure> {
     Ok(ReachBody {
         poses: None,
         grid: Some(grid),
-        method: args.method.map(Into::into),
-        task: args.task.map(Into::into),
-        frames: args.frames.into(),
+        method: args.solver.method(),
+        task: args.solver.task(),
+        frames: args.ask.frames.into(),
     })
 }
 

@@ -7,8 +7,8 @@ use clap::{Args, ValueEnum};
 use plots::answers::{self, TrajectoryLook};
 
 use super::desk::Desk;
-use super::input::{FileArgs, FrameArgs, Numbers, Row, needed, read};
-use super::show::{PlotArgs, exit_if, finish};
+use super::input::{AskArgs, Numbers, Row, TaskArg, needed};
+use super::show::{exit_if, finish};
 use super::trajectory::{View, draw, peaks, tool};
 use crate::context::Context;
 use crate::failure::Failure;
@@ -20,8 +20,9 @@ use crate::text::{self, thousandths, word};
 ///
 /// Exit code 1 if the arm cannot follow it; the answer says where and why.
 ///
-/// Example:
+/// Examples:
 ///   cellctl plan tool-path fanuc-m20ia --kind line --pose 985,0,940,180,0,0 --pose 985,300,700,180,0,0 --speed 300
+///   cellctl plan tool-path scara --kind line --pose 400,-200,300,180,0,0 --pose 400,200,300,180,0,90 --speed 500
 #[derive(Args, Debug)]
 #[command(verbatim_doc_comment)]
 pub(super) struct ToolPathArgs {
@@ -48,15 +49,14 @@ pub(super) struct ToolPathArgs {
     /// The joints at the first pose; those nearest to home if absent.
     #[arg(long, value_name = "J1,J2,..", allow_hyphen_values = true)]
     start: Option<Numbers>,
+    /// What of the poses counts; what the model can do if absent. Less than the pose is searched for.
+    #[arg(long, value_enum)]
+    task: Option<TaskArg>,
     /// From sample to sample, in seconds; 0.02 if absent.
     #[arg(long, value_name = "S", value_parser = finite, allow_hyphen_values = true)]
     period: Option<f64>,
     #[command(flatten)]
-    frames: FrameArgs,
-    #[command(flatten)]
-    file: FileArgs,
-    #[command(flatten)]
-    plot: PlotArgs,
+    ask: AskArgs,
     /// What to draw; the way in space where the arm cannot follow.
     #[arg(long, value_enum, default_value = "joints", requires = "plot")]
     view: View,
@@ -75,12 +75,12 @@ enum KindArg {
 }
 
 pub(super) async fn run(args: ToolPathArgs, context: &Context) -> Result<Report, Failure> {
-    let (model, plot, view) = (args.model.clone(), args.plot.clone(), args.view);
-    let body = question(args)?;
+    let (model, ask, view) = (args.model.clone(), args.ask.clone(), args.view);
+    let body = ask.file.question(|| of_options(args))?;
     let desk = Desk::of(context);
     let arm = desk.describe(&model).await?;
     let answer = desk.tool_path(&model, &body).await?;
-    let drawing = match &plot.plot {
+    let drawing = match &ask.plot.plot {
         None => None,
         Some(picture) => {
             let look = TrajectoryLook {
@@ -117,7 +117,7 @@ async fn at_start(
     model: &str,
     body: &ToolPathBody,
 ) -> Result<Option<ArmForwardResult>, Failure> {
-    if let Some(joints) = &body.start_deg {
+    if let Some(joints) = &body.start_deg_mm {
         return desk.at(model, joints, &body.frames).await.map(Some);
     }
     let question = ArmInverseBody {
@@ -138,10 +138,7 @@ async fn at_start(
     }
 }
 
-fn question(args: ToolPathArgs) -> Result<ToolPathBody, Failure> {
-    if let Some(file) = &args.file.file {
-        return read(file);
-    }
+fn of_options(args: ToolPathArgs) -> Result<ToolPathBody, Failure> {
     Ok(ToolPathBody {
         kind: match needed(args.kind, "--kind")? {
             KindArg::Line => ToolPathKind::Line,
@@ -150,13 +147,14 @@ fn question(args: ToolPathArgs) -> Result<ToolPathBody, Failure> {
             KindArg::Spline => ToolPathKind::Spline,
         },
         poses: args.pose.into_iter().map(PoseBody::from).collect(),
-        start_deg: args.start.map(|Numbers(joints)| joints),
+        start_deg_mm: args.start.map(|Numbers(joints)| joints),
+        task: args.task.map(Into::into),
         speed_mm_s: needed(args.speed, "--speed")?,
         acceleration_mm_s2: args.acceleration,
         jerk_mm_s3: args.jerk,
         turning_deg_s: args.turning,
         period_s: args.period,
-        frames: args.frames.into(),
+        frames: args.ask.frames.into(),
     })
 }
 

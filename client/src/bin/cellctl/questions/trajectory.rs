@@ -10,8 +10,8 @@ use plots::Drawing;
 use plots::answers::{self, TrajectoryLook};
 
 use super::desk::Desk;
-use super::input::{FileArgs, FrameArgs, Numbers, needed, read};
-use super::show::{PlotArgs, exit_if, finish, unit};
+use super::input::{AskArgs, Numbers, needed};
+use super::show::{exit_if, finish, unit};
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::numbers::finite;
@@ -64,11 +64,7 @@ pub(super) struct TrajectoryArgs {
     #[arg(long, value_name = "S", value_parser = finite, allow_hyphen_values = true)]
     period: Option<f64>,
     #[command(flatten)]
-    frames: FrameArgs,
-    #[command(flatten)]
-    file: FileArgs,
-    #[command(flatten)]
-    plot: PlotArgs,
+    ask: AskArgs,
     /// What to draw.
     #[arg(long, value_enum, default_value = "joints", requires = "plot")]
     view: View,
@@ -102,12 +98,12 @@ pub(super) enum View {
 }
 
 pub(super) async fn run(args: TrajectoryArgs, context: &Context) -> Result<Report, Failure> {
-    let (model, plot, view) = (args.model.clone(), args.plot.clone(), args.view);
-    let body = question(args)?;
+    let (model, ask, view) = (args.model.clone(), args.ask.clone(), args.view);
+    let body = ask.file.question(|| of_options(args))?;
     let desk = Desk::of(context);
     let arm = desk.describe(&model).await?;
     let answer = desk.trajectory(&model, &body).await?;
-    let drawing = match &plot.plot {
+    let drawing = match &ask.plot.plot {
         None => None,
         Some(picture) => {
             let via_s: Vec<f64> = answer.via.iter().map(|via| via.time_s).collect();
@@ -151,10 +147,7 @@ pub(super) async fn draw(
     Ok(drawing)
 }
 
-fn question(args: TrajectoryArgs) -> Result<TrajectoryBody, Failure> {
-    if let Some(file) = &args.file.file {
-        return read(file);
-    }
+fn of_options(args: TrajectoryArgs) -> Result<TrajectoryBody, Failure> {
     let numbers = |given: Option<Numbers>| given.map(|Numbers(numbers)| numbers);
     Ok(TrajectoryBody {
         kind: match needed(args.kind, "--kind")? {
@@ -180,7 +173,7 @@ fn question(args: TrajectoryArgs) -> Result<TrajectoryBody, Failure> {
         max_acceleration_deg_mm_s2: numbers(args.max_acceleration),
         max_jerk_deg_mm_s3: numbers(args.max_jerk),
         period_s: args.period,
-        frames: args.frames.into(),
+        frames: args.ask.frames.into(),
     })
 }
 

@@ -1,13 +1,12 @@
 //! `cellctl arm transfer`: an arm among obstacles.
 
-use api::PoseBody;
-use api::arms::{ArmObstacle, ArmTransferBody, ArmTransferResult};
+use api::arms::{ArmDescription, ArmObstacle, ArmTransferBody, ArmTransferResult};
 use clap::Args;
 use plots::answers;
 
 use super::desk::Desk;
-use super::input::{FileArgs, Numbers, Row, needed, read};
-use super::show::{PlotArgs, finish};
+use super::input::{FileArgs, Numbers, Row, needed};
+use super::show::{PlotArgs, finish, unit};
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::numbers::finite;
@@ -23,7 +22,7 @@ use crate::text::{Table, thousandths};
 pub(super) struct TransferArgs {
     /// The model.
     model: String,
-    /// The joints at the start, in degrees.
+    /// The joints at the start, base first.
     #[arg(
         long,
         value_name = "J1,J2,..",
@@ -31,7 +30,7 @@ pub(super) struct TransferArgs {
         conflicts_with = "file"
     )]
     from: Option<Numbers>,
-    /// The joints at the goal, in degrees.
+    /// The joints at the goal.
     #[arg(long, value_name = "J1,J2,..", allow_hyphen_values = true)]
     to: Option<Numbers>,
     /// A box that the arm must not be in: two corners in the arm's world, in mm. As often as there are such.
@@ -56,9 +55,11 @@ pub(super) struct TransferArgs {
 }
 
 pub(super) async fn run(args: TransferArgs, context: &Context) -> Result<Report, Failure> {
-    let (model, plot) = (args.model.clone(), args.plot.clone());
-    let body = question(args)?;
-    let answer = Desk::of(context).transfer(&model, &body).await?;
+    let (model, file, plot) = (args.model.clone(), args.file.clone(), args.plot.clone());
+    let body = file.question(|| of_options(args))?;
+    let desk = Desk::of(context);
+    let arm = desk.describe(&model).await?;
+    let answer = desk.transfer(&model, &body).await?;
     let drawing = match &plot.plot {
         None => None,
         Some(picture) => {
@@ -66,13 +67,12 @@ pub(super) async fn run(args: TransferArgs, context: &Context) -> Result<Report,
             Some((picture, drawing))
         }
     };
-    finish(context, Exit::Done, &answer, drawing, way)
+    finish(context, Exit::Done, &answer, drawing, |answer| {
+        way(&arm, answer)
+    })
 }
 
-fn question(args: TransferArgs) -> Result<ArmTransferBody, Failure> {
-    if let Some(file) = &args.file.file {
-        return read(file);
-    }
+fn of_options(args: TransferArgs) -> Result<ArmTransferBody, Failure> {
     let boxes = args
         .keep_out
         .iter()
@@ -84,20 +84,13 @@ fn question(args: TransferArgs) -> Result<ArmTransferBody, Failure> {
         args.cylinder
             .iter()
             .map(|Row([x, y, z, radius, height])| ArmObstacle::Cylinder {
-                pose: PoseBody {
-                    x_mm: *x,
-                    y_mm: *y,
-                    z_mm: z + height / 2.0,
-                    w_deg: 0.0,
-                    p_deg: 0.0,
-                    r_deg: 0.0,
-                },
+                pose: [*x, *y, z + height / 2.0, 0.0, 0.0, 0.0].into(),
                 radius_mm: *radius,
                 height_mm: *height,
             });
     Ok(ArmTransferBody {
-        start_deg: needed(args.from, "--from")?.0,
-        goal_deg: needed(args.to, "--to")?.0,
+        start_deg_mm: needed(args.from, "--from")?.0,
+        goal_deg_mm: needed(args.to, "--to")?.0,
         obstacles: boxes.chain(cylinders).collect(),
         capsules: None,
         tool_capsules: Vec::new(),
@@ -107,17 +100,20 @@ fn question(args: TransferArgs) -> Result<ArmTransferBody, Failure> {
     })
 }
 
-fn way(answer: &ArmTransferResult) -> String {
-    let names = (1..=6).map(|joint| format!(">J{joint} deg"));
+fn way(arm: &ArmDescription, answer: &ArmTransferResult) -> String {
+    let joints = arm.joints.iter();
+    let names = joints.map(|joint| format!(">{} {}", joint.name, unit(joint.kind)));
     let mut table = Table::with_headings([">#".to_owned()].into_iter().chain(names));
-    for (index, joints) in answer.points_deg.iter().enumerate() {
+    for (index, joints) in answer.points_deg_mm.iter().enumerate() {
         let values = joints.iter().map(|value| thousandths(*value));
         table.row([(index + 1).to_string()].into_iter().chain(values));
     }
-    let pieces = answer.points_deg.len().saturating_sub(1);
+    let pieces = answer.points_deg_mm.len().saturating_sub(1);
     let straight = if pieces == 1 { "piece" } else { "pieces" };
+    let slid = answer.length_mm.map(thousandths);
+    let slid = slid.map_or_else(String::new, |slid| format!(" and {slid} mm"));
     format!(
-        "{pieces} straight {straight} of joint space, {} deg together\n\n{table}",
+        "{pieces} straight {straight} of joint space, {} deg{slid} together\n\n{table}",
         thousandths(answer.length_deg)
     )
 }

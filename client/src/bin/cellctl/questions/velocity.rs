@@ -8,8 +8,8 @@ use clap::{Args, ValueEnum};
 use plots::answers;
 
 use super::desk::Desk;
-use super::input::{FileArgs, FrameArgs, Numbers, Row, TaskArg, needed, read};
-use super::show::{PlotArgs, exit_if, finish, joints, point};
+use super::input::{AskArgs, Numbers, PostureArgs, Row, TaskArg, needed};
+use super::show::{exit_if, finish, joints, point};
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::numbers::finite;
@@ -24,41 +24,35 @@ use crate::text::{self, Table, thousandths, word};
 #[derive(Args, Debug)]
 #[command(verbatim_doc_comment)]
 pub(super) struct JacobianArgs {
-    /// The model.
-    model: String,
-    /// The joint values, base first.
-    #[arg(allow_negative_numbers = true, value_parser = finite, required_unless_present = "file",
-        conflicts_with = "file")]
-    joints: Vec<f64>,
+    #[command(flatten)]
+    posture: PostureArgs,
     /// What of the tool's motion counts; what the model can do if absent.
     #[arg(long, value_enum)]
     task: Option<TaskArg>,
     #[command(flatten)]
-    frames: FrameArgs,
-    #[command(flatten)]
-    file: FileArgs,
-    #[command(flatten)]
-    plot: PlotArgs,
+    ask: AskArgs,
 }
 
 pub(super) async fn jacobian(args: JacobianArgs, context: &Context) -> Result<Report, Failure> {
-    let body = match &args.file.file {
-        Some(file) => read(file)?,
-        None => ArmJacobianBody {
-            joints_deg_mm: args.joints,
-            task: args.task.map(Into::into),
-            frames: args.frames.into(),
-        },
-    };
+    let JacobianArgs {
+        posture: PostureArgs { model, joints },
+        task,
+        ask: AskArgs { frames, file, plot },
+    } = args;
+    let body = file.question(|| {
+        Ok(ArmJacobianBody {
+            joints_deg_mm: joints,
+            task: task.map(Into::into),
+            frames: frames.into(),
+        })
+    })?;
     let desk = Desk::of(context);
-    let arm = desk.describe(&args.model).await?;
-    let answer = desk.jacobian(&args.model, &body).await?;
-    let drawing = match &args.plot.plot {
+    let arm = desk.describe(&model).await?;
+    let answer = desk.jacobian(&model, &body).await?;
+    let drawing = match &plot.plot {
         None => None,
         Some(picture) => {
-            let at = desk
-                .at(&args.model, &body.joints_deg_mm, &body.frames)
-                .await?;
+            let at = desk.at(&model, &body.joints_deg_mm, &body.frames).await?;
             let drawing = answers::velocities(&arm, &body.joints_deg_mm, &at, &answer)?;
             Some((picture, drawing))
         }
@@ -133,20 +127,16 @@ fn twist(twist: &ArmTwist) -> String {
     format!("{vx}, {vy}, {vz} mm/s  {wx}, {wy}, {wz} deg/s")
 }
 
-/// Calculate the joint rates of a velocity of the tool.
+/// Calculate the joint rates of a velocity of the tool; --plot draws the arm now and a moment later.
 ///
 /// Examples:
 ///   cellctl arm rates fanuc-m20ia 0 20 -20 0 -70 0 --linear 100,0,0
-///   cellctl arm rates seven-joint 0 30 0 60 0 45 0 --linear 0,50,0 --null 10,0,0,0,0,0,0
+///   cellctl arm rates seven-joint 0 30 0 60 0 45 0 --linear 0,50,0 --null 10,0,0,0,0,0,0 --plot rates.svg
 #[derive(Args, Debug)]
 #[command(verbatim_doc_comment)]
 pub(super) struct RatesArgs {
-    /// The model.
-    model: String,
-    /// The joint values, base first.
-    #[arg(allow_negative_numbers = true, value_parser = finite, required_unless_present = "file",
-        conflicts_with = "file")]
-    joints: Vec<f64>,
+    #[command(flatten)]
+    posture: PostureArgs,
     /// The tool's velocity in mm/s; 0 if absent.
     #[arg(long, value_name = "VX,VY,VZ", allow_hyphen_values = true)]
     linear: Option<Row<3>>,
@@ -160,31 +150,53 @@ pub(super) struct RatesArgs {
     #[arg(long, value_enum)]
     task: Option<TaskArg>,
     #[command(flatten)]
-    frames: FrameArgs,
-    #[command(flatten)]
-    file: FileArgs,
+    ask: AskArgs,
 }
 
 pub(super) async fn rates(args: RatesArgs, context: &Context) -> Result<Report, Failure> {
     let still = Row([0.0; 3]);
-    let body = match &args.file.file {
-        Some(file) => read(file)?,
-        None => ArmRatesBody {
-            joints_deg_mm: args.joints,
+    let PostureArgs { model, joints } = args.posture;
+    let AskArgs { frames, file, plot } = args.ask;
+    let body = file.question(|| {
+        Ok(ArmRatesBody {
+            joints_deg_mm: joints,
             velocity: ArmTwist {
                 linear_mm_s: args.linear.unwrap_or(still).0,
                 angular_deg_s: args.angular.unwrap_or(still).0,
             },
             null_motion_deg_mm_s: args.null.map(|Numbers(rates)| rates),
             task: args.task.map(Into::into),
-            frames: args.frames.into(),
-        },
-    };
+            frames: frames.into(),
+        })
+    })?;
     let desk = Desk::of(context);
-    let arm = desk.describe(&args.model).await?;
-    let answer = desk.rates(&args.model, &body).await?;
+    let arm = desk.describe(&model).await?;
+    let answer = desk.rates(&model, &body).await?;
+    let drawing = match &plot.plot {
+        None => None,
+        Some(picture) => {
+            let after_s = seen_after(&arm, &answer);
+            let moved = body.joints_deg_mm.iter().zip(&answer.rates_deg_mm_s);
+            let later: Vec<f64> = moved.map(|(at, rate)| at + rate * after_s).collect();
+            let now = desk.at(&model, &body.joints_deg_mm, &body.frames).await?;
+            let later = desk.at(&model, &later, &body.frames).await?;
+            let drawing = answers::rates(&model, &answer, &body.velocity, after_s, (&now, &later))?;
+            Some((picture, drawing))
+        }
+    };
     let exit = exit_if(answer.load <= 1.0);
-    Ok(context.report(exit, &answer, |answer| turning(&arm, answer)))
+    finish(context, exit, &answer, drawing, |answer| {
+        turning(&arm, answer)
+    })
+}
+
+/// After how many seconds the motion is seen: a joint has then gone a twelfth of its range. At most a second.
+fn seen_after(arm: &ArmDescription, answer: &ArmRatesResult) -> f64 {
+    let joints = arm.joints.iter().zip(&answer.rates_deg_mm_s);
+    let times = joints
+        .filter(|(_, rate)| **rate != 0.0)
+        .map(|(joint, rate)| (joint.max_deg_mm - joint.min_deg_mm) / 12.0 / rate.abs());
+    times.fold(1.0, f64::min)
 }
 
 fn turning(arm: &ArmDescription, answer: &ArmRatesResult) -> String {
@@ -215,14 +227,10 @@ fn turning(arm: &ArmDescription, answer: &ArmRatesResult) -> String {
 ///   cellctl arm move-velocity five-link 0 45 -60 0 30 --velocity -30,5,-2 --time 2 --plot motion.svg
 ///   cellctl arm move-velocity five-link 0 45 -60 0 30 --along 20 --time 1
 #[derive(Args, Debug)]
-#[command(verbatim_doc_comment)]
+#[command(verbatim_doc_comment, mut_arg("joints", |joints| joints.help("The joint values at the start, base first")))]
 pub(super) struct MotionArgs {
-    /// The model.
-    model: String,
-    /// The joint values at the start, base first.
-    #[arg(allow_negative_numbers = true, value_parser = finite, required_unless_present = "file",
-        conflicts_with = "file")]
-    joints: Vec<f64>,
+    #[command(flatten)]
+    posture: PostureArgs,
     /// V, in mm/s.
     #[arg(
         long,
@@ -244,11 +252,7 @@ pub(super) struct MotionArgs {
     #[arg(long, value_enum)]
     task: Option<TaskArg>,
     #[command(flatten)]
-    frames: FrameArgs,
-    #[command(flatten)]
-    file: FileArgs,
-    #[command(flatten)]
-    plot: PlotArgs,
+    ask: AskArgs,
     /// What to draw.
     #[arg(long, value_enum, default_value = "arm", requires = "plot")]
     view: MotionView,
@@ -263,22 +267,23 @@ enum MotionView {
 }
 
 pub(super) async fn motion(args: MotionArgs, context: &Context) -> Result<Report, Failure> {
-    let body = match &args.file.file {
-        Some(file) => read(file)?,
-        None => ArmVelocityMotionBody {
-            start_deg_mm: args.joints,
+    let PostureArgs { model, joints } = args.posture;
+    let AskArgs { frames, file, plot } = args.ask;
+    let body = file.question(|| {
+        Ok(ArmVelocityMotionBody {
+            start_deg_mm: joints,
             velocity_mm_s: args.velocity.map(|Row(velocity)| velocity),
             along_tool_mm_s: args.along,
             time_s: needed(args.time, "--time")?,
             steps: args.steps,
             task: args.task.map(Into::into),
-            frames: args.frames.into(),
-        },
-    };
+            frames: frames.into(),
+        })
+    })?;
     let desk = Desk::of(context);
-    let arm = desk.describe(&args.model).await?;
-    let answer = desk.velocity_motion(&args.model, &body).await?;
-    let drawing = match (&args.plot.plot, args.view) {
+    let arm = desk.describe(&model).await?;
+    let answer = desk.velocity_motion(&model, &body).await?;
+    let drawing = match (&plot.plot, args.view) {
         (None, _) => None,
         (Some(picture), MotionView::Joints) => {
             Some((picture, answers::velocity_motion_joints(&arm, &answer)?))
@@ -286,10 +291,8 @@ pub(super) async fn motion(args: MotionArgs, context: &Context) -> Result<Report
         (Some(picture), MotionView::Arm) => {
             let last = answer.samples.last();
             let end = last.map_or(&body.start_deg_mm, |sample| &sample.joints_deg_mm);
-            let start = desk
-                .at(&args.model, &body.start_deg_mm, &body.frames)
-                .await?;
-            let end = desk.at(&args.model, end, &body.frames).await?;
+            let start = desk.at(&model, &body.start_deg_mm, &body.frames).await?;
+            let end = desk.at(&model, end, &body.frames).await?;
             let drawing = answers::velocity_motion(&arm.model, &answer, &start, &end)?;
             Some((picture, drawing))
         }

@@ -241,8 +241,8 @@ fn too_many_poses_are_refused() {
 fn transfers_that_make_no_sense_are_refused() {
     let transfer = |change: fn(&mut ArmTransferBody)| {
         let mut body = ArmTransferBody {
-            start_deg: HOME.to_vec(),
-            goal_deg: vec![40.0, 0.0, 0.0, 0.0, -90.0, 0.0],
+            start_deg_mm: HOME.to_vec(),
+            goal_deg_mm: vec![40.0, 0.0, 0.0, 0.0, -90.0, 0.0],
             ..ArmTransferBody::default()
         };
         change(&mut body);
@@ -256,7 +256,7 @@ fn transfers_that_make_no_sense_are_refused() {
                 size_mm: [50.0; 3],
             }];
         }),
-        "start_deg",
+        "start_deg_mm",
         "capsule",
     );
     assert_refused(
@@ -281,8 +281,8 @@ fn transfers_that_make_no_sense_are_refused() {
         "it is NaN mm",
     );
     assert_refused(
-        transfer(|body| body.goal_deg[0] = 171.0),
-        "goal_deg[0]",
+        transfer(|body| body.goal_deg_mm[0] = 171.0),
+        "goal_deg_mm[0]",
         "J1 is 171 deg; its range is -170 to 170",
     );
     assert_refused(
@@ -314,5 +314,9 @@ fn transfers_that_make_no_sense_are_refused() {
         "101 obstacles were given",
     );
     let other = robotics::transfer("scara", &ArmTransferBody::default());
-    assert_refused(other, "", "arms with a closed form only");
+    assert_refused(
+        other,
+        "start_deg_mm",
+        "0 joint values were given; scara has 4 joints",
+    );
 }

@@ -166,8 +166,8 @@ fn tool_paths_that_make_no_sense_are_refused() {
         "it is 5 s",
     );
     assert_refused(
-        asked(|body| body.start_deg = Some(vec![10.0, 0.0, 0.0, 0.0, -90.0, 0.0])),
-        "start_deg[0]",
+        asked(|body| body.start_deg_mm = Some(vec![10.0, 0.0, 0.0, 0.0, -90.0, 0.0])),
+        "start_deg_mm[0]",
         "J1 is at 10.000",
     );
     assert_refused(
