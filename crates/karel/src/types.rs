@@ -15,6 +15,9 @@ pub(crate) const MAX_STRING: usize = 254;
 /// Most cells of one variable, and of all variables of a program.
 pub(crate) const MAX_CELLS: u32 = 1 << 20;
 
+/// Most PATHs of a program's variables, and of one routine's.
+pub(crate) const MAX_PATHS: usize = 1_000;
+
 /// Most cells of a node of a PATH.
 pub(crate) const MAX_NODE: u32 = 1 << 12;
 
@@ -420,23 +423,39 @@ impl Type {
         }
     }
 
-    /// Whether a FILE is in it, or it is a PATH: those cannot be copied.
+    /// Whether a FILE is in it, or it is one.
     pub(crate) fn holds_file(&self) -> bool {
+        self.holds(&|ty| matches!(ty, Type::File))
+    }
+
+    /// Whether a PATH is in it, or it is one.
+    pub(crate) fn holds_path(&self) -> bool {
+        self.holds(&|ty| matches!(ty, Type::Path(_)))
+    }
+
+    /// Whether it can be copied: neither FILEs nor PATHs can.
+    pub(crate) fn is_copied(&self) -> bool {
+        !self.holds(&|ty| matches!(ty, Type::File | Type::Path(_)))
+    }
+
+    fn holds(&self, wanted: &dyn Fn(&Type) -> bool) -> bool {
         match self {
-            Type::File | Type::Path(_) => true,
-            Type::Array(array) => array.element.holds_file(),
+            Type::Array(array) => array.element.holds(wanted),
             Type::Structure(structure) => {
-                structure.fields.iter().any(|field| field.ty.holds_file())
+                let mut fields = structure.fields.iter();
+                fields.any(|field| field.ty.holds(wanted))
             }
             Type::Integer
             | Type::Real
             | Type::Boolean
             | Type::Text(_)
+            | Type::File
             | Type::Config
             | Type::Position(_)
             | Type::Joints(_)
             | Type::Small(_)
-            | Type::Error => false,
+            | Type::Path(_)
+            | Type::Error => wanted(self),
         }
     }
 }

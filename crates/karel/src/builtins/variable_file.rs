@@ -16,7 +16,7 @@ use crate::{
         Names,
         fault::Fault,
         find_variable,
-        inspect::{address, parts_of},
+        inspect::{address, parts_of, paths_in},
         locate_variable,
     },
     position::{Config, JointPosition, Xyzwpr, XyzwprExt},
@@ -54,10 +54,9 @@ fn saved(context: &mut Context<'_>) -> Result<(), Status> {
     let created = context.created.of(loaded.name());
     let created = created.map(|(name, _, ty)| (name, ty));
     for (name, ty) in loaded.variables().chain(created) {
-        if let Type::Path(_) = ty
-            && let Some(nodes) = node_count(names, program, name)
-        {
-            let _ = write!(text, "[{program}]{name} nodes {nodes}\r\n");
+        for (path, id) in paths_of(names, program, name, ty) {
+            let nodes = names.paths.len(id);
+            let _ = write!(text, "[{program}]{path} nodes {nodes}\r\n");
         }
     }
     let parts = parts_of(names, loaded, MAX_PARTS);
@@ -73,10 +72,21 @@ fn saved(context: &mut Context<'_>) -> Result<(), Status> {
     context.write_file(&file, Text::from(text.as_str()).as_bytes())
 }
 
-fn node_count(names: Names<'_>, program: &str, name: &str) -> Option<usize> {
-    let found = locate_variable(names, program, &SysPath::from_name(name)).ok()?;
-    let path = names.globals.get(found.at.global_index())?.expect_path();
-    Some(names.paths.len(path))
+/// The PATHs of a variable by name, and their numbers.
+fn paths_of(names: Names<'_>, program: &str, name: &str, ty: &Type) -> Vec<(String, u32)> {
+    if !ty.holds_path() {
+        return Vec::new();
+    }
+    let Ok(found) = locate_variable(names, program, &SysPath::from_name(name)) else {
+        return Vec::new();
+    };
+    let first = u32::try_from(found.at.global_index()).unwrap_or(u32::MAX);
+    let paths = paths_in(name, first, &found.ty).into_iter();
+    let paths = paths.filter_map(|(name, cell, _)| {
+        let path = names.globals.get(cell as usize)?.path()?;
+        Some((name, path))
+    });
+    paths.collect()
 }
 
 /// The file's name, with `.VR` if it has no extension.
@@ -127,6 +137,18 @@ fn is_loaded(context: &Context<'_>, file: &str) -> bool {
 
 fn load_variables(context: &mut Context<'_>, file: &str) -> Result<(), Status> {
     let bytes = context.read_file(file)?;
+    if bytes
+        .iter()
+        .any(|byte| byte.is_ascii_control() && !byte.is_ascii_whitespace())
+    {
+        context.explain(&|| {
+            format!(
+                "LOAD of {file:?} answers INTP-333: a controller's own .vr file cannot be read, \
+                 only the text that SAVE writes here"
+            )
+        });
+        return Err(Status::INTP_ILLEGAL_DATA);
+    }
     let text = Text::new(bytes).to_string_lossless();
     let mut first = Ok(());
     for line in text.lines() {
@@ -175,7 +197,7 @@ fn set_nodes(
         .map_err(|_| Status::INTP_ILLEGAL_DATA)?;
     let path = SysPath::parse(name).map_err(|_| Status::INTP_ILLEGAL_DATA)?;
     let found = locate_variable(context.names(), program, &path)?;
-    if !matches!(found.ty, Type::Path(_)) || !variable_list::is_name(&path) {
+    if !matches!(found.ty, Type::Path(_)) {
         return Err(Status::VARS_TYPE);
     }
     let id = context.memory.get(found.at).expect_path();
@@ -216,11 +238,8 @@ fn clear_variables(context: &mut Context<'_>, program: &str) {
         }
     }
     for (name, ty) in loaded.variables() {
-        if let Type::Path(_) = ty
-            && let Ok(found) = locate_variable(context.names(), program, &SysPath::from_name(name))
-        {
-            let id = context.memory.get(found.at).expect_path();
-            context.paths.clear(id);
+        for (_, path) in paths_of(context.names(), program, name, ty) {
+            context.paths.clear(path);
         }
     }
 }

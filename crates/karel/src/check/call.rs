@@ -204,8 +204,8 @@ impl Checker<'_> {
 
     fn copied_arg(&mut self, value: Expr, formal: &Type, span: Span) -> Arg {
         let value = self.convert(value, formal, span);
-        if value.ty.holds_file() {
-            let what = if matches!(value.ty, Type::Path(_)) {
+        if !value.ty.is_copied() {
+            let what = if value.ty.holds_path() {
                 "a PATH can only be passed as a variable"
             } else {
                 "a FILE can only be passed as a variable"

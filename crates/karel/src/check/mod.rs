@@ -352,6 +352,7 @@ impl Checker<'_> {
             frame_cells: self.locals.cells,
             first_local,
             files: self.locals.files.clone(),
+            paths: self.locals.paths.clone(),
             signature,
             labels: self.frame.next_label,
             body,

@@ -36,7 +36,7 @@ impl Scope {
     }
 
     fn note_files(&mut self, ty: &Type, cell: u32) {
-        if !ty.holds_file() || self.cells > crate::types::MAX_CELLS {
+        if ty.is_copied() || self.cells > crate::types::MAX_CELLS {
             return;
         }
         match ty {

@@ -1,5 +1,7 @@
 //! What an operator's data screen shows, and ending a task with an error from outside.
 
+use std::sync::Arc;
+
 use super::{
     Loaded, Machine, Names,
     cell::{Address, Cell, Memory},
@@ -10,7 +12,7 @@ use crate::{
     host::{Host, TaskId},
     run::TaskState,
     status::Status,
-    types::{TextLength, Type},
+    types::{PathType, TextLength, Type},
     value::Value,
 };
 
@@ -163,6 +165,40 @@ fn split(
             parts.push((path, cell, ty.clone()));
             parts.len() <= limit
         }
+    }
+}
+
+/// The PATHs of a variable as programs name them, each with its first cell and its type.
+pub(crate) fn paths_in(name: &str, cell: u32, ty: &Type) -> Vec<(String, u32, Arc<PathType>)> {
+    match ty {
+        Type::Path(path) => vec![(name.to_owned(), cell, path.clone())],
+        Type::Structure(structure) => {
+            let fields = structure.fields.iter();
+            let paths = fields.flat_map(|field| {
+                let name = format!("{name}.{}", field.name);
+                paths_in(&name, cell + field.offset, &field.ty)
+            });
+            paths.collect()
+        }
+        Type::Array(array) if array.element.holds_path() => {
+            let count: u32 = array.dims.iter().product();
+            let paths = (0..count).flat_map(|index| {
+                let name = format!("{name}[{}]", subscripts(index, &array.dims));
+                paths_in(&name, cell + index * array.element.size(), &array.element)
+            });
+            paths.collect()
+        }
+        Type::Array(_)
+        | Type::Integer
+        | Type::Real
+        | Type::Boolean
+        | Type::Text(_)
+        | Type::File
+        | Type::Config
+        | Type::Position(_)
+        | Type::Joints(_)
+        | Type::Small(_)
+        | Type::Error => Vec::new(),
     }
 }
 

@@ -3,7 +3,9 @@
 use std::{collections::BTreeMap, sync::Arc};
 
 use super::{
-    Loaded, StartError, is_alive, open_file,
+    Loaded, StartError,
+    cell::Cell,
+    is_alive, open_file,
     task::{Ending, Signal, Task},
 };
 use crate::{
@@ -171,6 +173,12 @@ impl Tasks {
 
     pub(crate) fn ids(&self) -> impl Iterator<Item = TaskId> + '_ {
         self.by_id.keys().copied()
+    }
+
+    /// The frames of every task that is alive; not of the one that runs.
+    pub(crate) fn live_frames(&self) -> impl Iterator<Item = &Cell> {
+        let alive = self.by_id.values().filter(|task| is_alive(&task.state));
+        alive.flat_map(|task| &task.frames)
     }
 
     pub(crate) fn changes(&self) -> u64 {
