@@ -1,5 +1,6 @@
 //! Built-in routines: one table of names, signatures and code.
 
+pub(crate) mod absent;
 mod convert;
 mod dictionary;
 mod file;
@@ -36,7 +37,7 @@ use crate::{
         fault::Fault,
         paths::Paths,
         semaphore::Semaphores,
-        task::{Argument, Pending},
+        task::{Argument, Caller, Pending},
         teaching::Teaching,
     },
     port::{Comments, PortSetup},
@@ -180,28 +181,6 @@ fn tables() -> impl Iterator<Item = &'static Builtin> {
     tables.into_iter().flatten()
 }
 
-/// Built-ins that exist on a controller and not here: they deserve a better message than a typing
-/// error.
-const PLANNED: &[&str] = &[
-    "ACT_TBL",
-    "DELETE_TPE",
-    "DISCTRL_ALPH",
-    "DISCTRL_FORM",
-    "DISCTRL_LIST",
-    "DISCTRL_PLMN",
-    "DISCTRL_SBMN",
-    "DISCTRL_TBL",
-    "INIT_TBL",
-    "READ_DICT_V",
-    "SEND_DATAPC",
-    "VOL_SPACE",
-    "WRITE_DICT_V",
-];
-
-pub(crate) fn is_planned(name: &str) -> bool {
-    PLANNED.contains(&name)
-}
-
 /// What the code of a built-in can reach.
 pub(crate) struct Context<'a> {
     pub(crate) task: TaskId,
@@ -222,6 +201,8 @@ pub(crate) struct Context<'a> {
     pub(crate) port_setup: &'a mut PortSetup,
     pub(crate) teaching: &'a mut Teaching,
     pub(crate) running: Running<'a>,
+    /// Who called the program or routine that runs.
+    pub(crate) callers: &'a [Caller],
     pub(crate) limits: &'a Limits,
     pub(crate) host: &'a mut dyn Host,
     pub(crate) memory: Memory<'a>,
@@ -335,6 +316,18 @@ impl Context<'_> {
         self.put(number, Cell::Integer(status.0));
     }
 
+    /// The elements of an array of strings.
+    fn texts(&self, number: usize) -> Vec<Option<String>> {
+        let at = self.variable(number);
+        let length = variable::array_length(self.ty(number), at.extra);
+        let cells = (0..length).map(|offset| self.memory.get(at.plus(offset)));
+        let texts = cells.map(|cell| match cell {
+            Cell::Text(text) => Some(text.to_string_lossless()),
+            _ => None,
+        });
+        texts.collect()
+    }
+
     /// Stores texts into an array of strings from its first element on, as many as fit, cut to the
     /// length of its strings. How many those were.
     fn put_texts(&mut self, number: usize, texts: impl Iterator<Item = Text>) -> i32 {
@@ -409,10 +402,6 @@ mod tests {
             .filter(|name| name.starts_with(char::is_alphabetic))
         {
             assert_eq!(name, name.to_ascii_uppercase());
-            assert!(
-                !is_planned(name),
-                "{name} is there and announced as missing"
-            );
         }
     }
 }

@@ -30,6 +30,7 @@ use crate::{
 pub(super) const TABLE: &[Builtin] = &[
     Builtin { name: "CLEAR", params: &[Param::Text, Param::OutInteger], required: 2, returns: Returns::Nothing, code: clear },
     Builtin { name: "LOAD", params: &[Param::Text, Param::Integer, Param::OutInteger], required: 3, returns: Returns::Nothing, code: load },
+    Builtin { name: "SAVE_DRAM", params: &[Param::Text, Param::OutInteger], required: 2, returns: Returns::Nothing, code: save_dram },
     Builtin { name: "SAVE", params: &[Param::Text, Param::Text, Param::OutInteger], required: 3, returns: Returns::Nothing, code: save },
 ];
 
@@ -210,21 +211,59 @@ fn set_nodes(
     Ok(())
 }
 
-/// `CLEAR('PROGRAM.VR', status)`: its variables lose their values.
+/// `SAVE_DRAM(program, status)`.
 ///
-/// ASSUMPTION: programs stay loaded: anything but `.vr` is status 7004.
-fn clear(context: &mut Context<'_>) -> Result<Outcome, Fault> {
-    let file = context.text(0).to_string_lossless();
-    let status = if !is_loaded(context, &file) {
-        Status::MEMO_NO_PROGRAM
-    } else if extension(&file) == "VR" {
-        clear_variables(context, &program_of(&file));
+/// ASSUMPTION: what is not in CMOS loses its value without power all the same.
+fn save_dram(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    let program = context.text(0).to_string_lossless();
+    let status = if is_loaded(context, &program) {
         Status::OK
     } else {
-        Status::MEMO_IN_USE
+        Status::MEMO_NO_PROGRAM
     };
     context.put_status(1, status);
     Ok(Outcome::Done)
+}
+
+/// `CLEAR('PROGRAM.VR', status)`: its variables lose their values. `CLEAR('PROGRAM.TP', status)`: a TP program is
+/// deleted.
+///
+/// ASSUMPTION: without an extension it is what the program is; a program that is open or that a task executes, and a
+/// KAREL program, is status 7004.
+fn clear(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    let file = context.text(0).to_string_lossless();
+    let name = program_of(&file);
+    let mut programs = context.programs.iter().enumerate();
+    let found = programs.find(|(_, loaded)| loaded.name() == name);
+    let status = match found {
+        None => Status::MEMO_NO_PROGRAM,
+        Some(_) if extension(&file) == "VR" => {
+            clear_variables(context, &name);
+            Status::OK
+        }
+        Some((index, loaded))
+            if loaded.is_listing()
+                && matches!(extension(&file).as_str(), "" | "TP")
+                && !context.teaching.is_open(&name)
+                && !is_executed(context, index) =>
+        {
+            context.teaching.deleted.push(name);
+            context.put_status(1, Status::OK);
+            return Ok(Outcome::DoneThenPause(super::teaching::PAUSE));
+        }
+        Some(_) => Status::MEMO_IN_USE,
+    };
+    context.put_status(1, status);
+    Ok(Outcome::Done)
+}
+
+/// Whether a task is in the program, also as a caller of what it executes.
+fn is_executed(context: &Context<'_>, program: usize) -> bool {
+    let own = context
+        .callers
+        .iter()
+        .any(|caller| caller.program == program);
+    own || context.tasks.is_executed(program)
 }
 
 fn clear_variables(context: &mut Context<'_>, program: &str) {

@@ -175,6 +175,15 @@ impl Tasks {
         self.by_id.keys().copied()
     }
 
+    /// Whether a task that is alive is in a program, also as a caller; the one that runs is not looked at.
+    pub(crate) fn is_executed(&self, program: usize) -> bool {
+        let mut alive = self.by_id.values().filter(|task| is_alive(&task.state));
+        alive.any(|task| {
+            let mut callers = task.callers.iter();
+            task.program == program || callers.any(|caller| caller.program == program)
+        })
+    }
+
     /// The frames of every task that is alive; not of the one that runs.
     pub(crate) fn live_frames(&self) -> impl Iterator<Item = &Cell> {
         let alive = self.by_id.values().filter(|task| is_alive(&task.state));
