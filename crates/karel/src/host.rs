@@ -157,6 +157,8 @@ pub enum Interpolation {
     Linear,
     /// `C`: the tool center point on an arc through [`TpMotion::via`].
     Circular,
+    /// `A`: the tool center point on the arc that does not pass [`TpMotion::via`], of the circle through it.
+    CircleArc,
 }
 
 /// Where a motion of a TP program goes to.
@@ -184,9 +186,9 @@ pub enum TpSpeed {
 /// A motion instruction of a TP program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TpMotion {
-    /// `J`, `L` or `C`.
+    /// `J`, `L`, `C` or `A`.
     pub interpolation: Interpolation,
-    /// Of a `C`: a position on the arc between the start and the target.
+    /// Of a `C`: a position on the arc between the start and the target. Of an `A`: one on the rest of the circle.
     pub via: Option<TpTarget>,
     /// Where to.
     pub target: TpTarget,

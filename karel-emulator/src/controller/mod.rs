@@ -13,6 +13,7 @@ mod load;
 mod operate;
 mod power;
 mod programs;
+mod remote;
 mod schedule;
 mod snapshot;
 mod steps;
@@ -24,6 +25,7 @@ pub use data::{ItemKind, SYSTEM, kind_of};
 pub use operate::{OperateError, Operation};
 pub use power::CmosMemory;
 pub use programs::{Lines, ProgramKind, ProgramView, TaskError, TaskSeen};
+pub use remote::{ProgramSelection, RemoteStart};
 pub(crate) use snapshot::task_in_words;
 pub use steps::{TRACE_LINES, TraceEntry, TraceError};
 pub use values::{
@@ -48,6 +50,7 @@ use crate::ports::SetInputError;
 
 use faults::Faults;
 use programs::Loaded;
+use remote::Remote;
 use steps::{Place, Trace};
 
 /// The period in which a task may spend its instructions.
@@ -91,6 +94,8 @@ pub struct Controller {
     single_step: bool,
     /// How emergency stop buttons stop the arm.
     stop_category: StopCategory,
+    /// The signals that start programs, if any do.
+    remote: Option<Remote>,
 }
 
 #[derive(Debug)]
@@ -142,7 +147,8 @@ impl Controller {
             config.generation.into(),
             limits,
         )?;
-        let run = if config.run.is_empty() {
+        // With signals that start programs, nothing else starts one unless it is told to.
+        let run = if config.run.is_empty() && config.remote_start.is_none() {
             let first = loaded.first().map(|program| program.name.clone());
             first.into_iter().collect()
         } else {
@@ -164,6 +170,7 @@ impl Controller {
             trace: Trace::default(),
             single_step: false,
             stop_category: config.stop_category,
+            remote: config.remote_start.map(Remote::new),
         };
         for name in run {
             let _task = controller
@@ -174,6 +181,7 @@ impl Controller {
                 })?;
         }
         controller.follow_tasks();
+        controller.wire_remote();
         for (item, text) in &config.presets {
             let set = controller.set_item(item, text);
             set.map_err(|error| StartError::Preset {
@@ -218,6 +226,7 @@ impl Controller {
     ///
     /// One call costs at most one share of each task, so the caller can look after other things in between.
     pub fn advance(&mut self, until: Duration) -> Advance {
+        self.follow_signals();
         if self.run_ready_tasks() {
             return Advance::Worked;
         }
@@ -267,6 +276,7 @@ impl Controller {
             .chain(self.wire.next_due())
             .chain(self.faults.next_end())
             .chain(self.off_until)
+            .chain(self.remote.as_ref().and_then(Remote::next_due))
             .min()
     }
 
@@ -323,6 +333,7 @@ impl Controller {
                 controller = %self.hardware.name,
                 "The input {port}[{number}] was set to {value:?} from outside.",
             );
+            self.follow_signals();
         }
         Ok(())
     }

@@ -11,7 +11,7 @@ use crate::ledger::{CommandId, LedgerEvent, MotionKind, PoseMmDeg};
 use crate::motion::convert::{joint_position, pendant_joints, pose_of_target};
 use crate::motion::linear::INTP_SPEED;
 use crate::motion::path::SPEED_LIMIT;
-use crate::motion::{Pace, Path, Refusal, ToolSpeed};
+use crate::motion::{OnCircle, Pace, Path, Refusal, ToolSpeed};
 
 /// PROG-040: another task moves the motion group.
 ///
@@ -160,7 +160,14 @@ impl Hardware {
             None => self.planner.linear(from, &target, frames, pace),
             Some(via) => {
                 let via = self.tp_end(motion, via, &from, frames)?;
-                self.planner.circular(from, (&via, &target), frames, pace)
+                let place = match motion.interpolation {
+                    Interpolation::CircleArc => OnCircle::Elsewhere,
+                    Interpolation::Joint | Interpolation::Linear | Interpolation::Circular => {
+                        OnCircle::OnTheWay
+                    }
+                };
+                self.planner
+                    .circular(from, (&via, place, &target), frames, pace)
             }
         };
         Ok(self.at_speed_of_mode(path?, &tool))
@@ -280,7 +287,7 @@ fn speed_of(motion: &TpMotion) -> (MotionKind, f64, Option<f64>) {
     let kind = match motion.interpolation {
         Interpolation::Joint => MotionKind::Joint,
         Interpolation::Linear => MotionKind::Linear,
-        Interpolation::Circular => MotionKind::Circular,
+        Interpolation::Circular | Interpolation::CircleArc => MotionKind::Circular,
     };
     match motion.speed {
         TpSpeed::MmPerSec(speed) => (kind, f64::from(speed), None),

@@ -144,6 +144,15 @@ pub fn plan(
     travel(model, frames, from, (course, target), *pace)
 }
 
+/// Where the position of a circular motion is that is neither its start nor its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OnCircle {
+    /// Between them: `C`.
+    OnTheWay,
+    /// On the rest of the circle: `A`. On the way the orientation changes by the one shortest rotation.
+    Elsewhere,
+}
+
 /// The way of the tool center point from `from` on the circle through `via` to `target`, otherwise as [`plan`].
 ///
 /// ASSUMPTION: the orientation changes evenly by the shortest rotation from the start to the position on the way, and
@@ -156,11 +165,15 @@ pub fn plan_arc(
     model: &ArmModel,
     frames: &Frames,
     from: PendantJoints,
-    (via, target): (&Pose, &LinearTarget),
+    ((via, place), target): ((&Pose, OnCircle), &LinearTarget),
     pace: &Pace,
 ) -> Result<Path, Refusal> {
     let start = frames.tcp_in_user_frame(&model.forward(&from));
-    let course = ToolPath::circle(&start, via, &target.tcp, Extent::Arc);
+    let via = match place {
+        OnCircle::OnTheWay => *via,
+        OnCircle::Elsewhere => halfway(&start, via, &target.tcp),
+    };
+    let course = ToolPath::circle(&start, &via, &target.tcp, Extent::Arc);
     let mut pace = *pace;
     if let (ToolSpeed::MmPerSec(speed), Ok(course)) = (pace.speed, &course)
         && let Some(radius) = course.radius()
@@ -169,6 +182,38 @@ pub fn plan_arc(
         pace.speed = ToolSpeed::MmPerSec(speed.min(most));
     }
     travel(model, frames, from, (course, target), pace)
+}
+
+/// The middle of the arc from `start` to `goal` that does not pass `elsewhere`, of the circle through it. If there is no
+/// such circle it is the middle of the line, through which there is none either.
+fn halfway(start: &Pose, elsewhere: &Pose, goal: &Pose) -> Pose {
+    let (from, to) = (start.isometry(), goal.isometry());
+    let middle = (from.translation.vector + to.translation.vector) / 2.0;
+    let chord = to.translation.vector - from.translation.vector;
+    let other = elsewhere.isometry().translation.vector - middle;
+    // Seen from the middle of the chord: `elsewhere` is `beside` of it, the center `center`, on the same axis.
+    let along = chord.norm();
+    let mut point = middle;
+    if along > 0.0 {
+        let on_chord = chord * (other.dot(&chord) / (along * along));
+        let across = other - on_chord;
+        let beside = across.norm();
+        if beside > 0.0 {
+            let half = along / 2.0;
+            let center = (other.norm_squared() - half * half) / (2.0 * beside);
+            let radius = center.hypot(half);
+            point += across * ((center - radius) / beside);
+        }
+    }
+    let mut isometry = *from;
+    isometry.translation.vector = point;
+    // Half a turn has no shortest way; planning says so.
+    isometry.rotation = from
+        .rotation
+        .try_slerp(&to.rotation, 0.5, 1e-9)
+        .unwrap_or(from.rotation);
+    // The points were finite, so this one is.
+    Pose::try_from_isometry(isometry).unwrap_or(*start)
 }
 
 /// Samples the way and checks each sample.

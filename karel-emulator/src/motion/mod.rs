@@ -14,7 +14,7 @@ mod tempo;
 
 pub use corner::Blend;
 pub use executor::{Added, Brake, Executor, Happening, Motion, MotionEnd, Outcome};
-pub use linear::{LinearTarget, Pace, ToolSpeed};
+pub use linear::{LinearTarget, OnCircle, Pace, ToolSpeed};
 pub use path::Path;
 pub use planner::{Planner, Refusal};
 

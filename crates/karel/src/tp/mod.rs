@@ -264,7 +264,7 @@ pub(crate) enum Arithmetic {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Motion {
     pub(crate) interpolation: Interpolation,
-    /// Of a `C`: a position on the arc.
+    /// Of a `C`: a position on the arc. Of an `A`: one on the rest of its circle.
     pub(crate) via: Option<MotionTarget>,
     pub(crate) target: MotionTarget,
     pub(crate) speed: Operand,

@@ -8,7 +8,7 @@ use super::{
 use crate::host::Interpolation;
 
 impl Scanner<'_> {
-    /// Whether the line starts with `J P`, `L P` or `C P`.
+    /// Whether the line starts with `J P`, `L P`, `C P` or `A P`.
     pub(super) fn motion_follows(&mut self) -> bool {
         ["J P", "L P", "C P", "A P"]
             .into_iter()
@@ -23,7 +23,8 @@ impl Scanner<'_> {
         } else if self.eat_word("C") {
             Interpolation::Circular
         } else {
-            return Err(self.unsupported("a motion of arcs (A)"));
+            self.expect("A")?;
+            Interpolation::CircleArc
         };
         let first = self.place_to_go()?;
         let (via, target) = if interpolation == Interpolation::Circular {
@@ -97,6 +98,9 @@ impl Scanner<'_> {
             )
         {
             return Err(self.unsupported("DB together with INC"));
+        }
+        if motion.incremental && interpolation == Interpolation::CircleArc {
+            return Err(self.unsupported("A together with INC"));
         }
         Ok(Line::Move {
             motion: Box::new(motion),
@@ -194,6 +198,7 @@ impl Scanner<'_> {
                 Interpolation::Joint => "J",
                 Interpolation::Linear => "L",
                 Interpolation::Circular => "C",
+                Interpolation::CircleArc => "A",
             };
             return Err(self.wrong(0, format!("a motion {letter} has no speed in {text}")));
         }

@@ -14,7 +14,7 @@ use karel_emulator::config::{
 use karel_emulator::devices;
 use karel_emulator::{
     Clock, ControlAccess, ControllerGeneration, ControllerOption, FaultBody, Fidelity, PeerLabels,
-    VirtualController,
+    ProgramSelection, RemoteStart, VirtualController,
 };
 use kinematics::{ArmModel, PendantJoints};
 use tokio::signal::unix::{SignalKind, signal};
@@ -127,6 +127,18 @@ pub(crate) struct Run {
     /// see where the arm was at the last one.
     #[arg(long, default_value = "8", value_name = "MS", value_parser = parse_period)]
     interpolation_ms: InterpolationPeriod,
+    /// Let signals start programs: `rsr` (UI[9] to UI[16] start RSR0001 to RSR0008, one after the other) or `pns` (they
+    /// are a number, UI[17] chooses PNS0001 to PNS0255, UI[18] going off starts it). UI[1], UI[2], UI[3] and UI[8] are on.
+    #[arg(long, value_enum, value_name = "HOW")]
+    remote_start: Option<SelectionWord>,
+    /// With --remote-start: added to the number that the signals mean.
+    #[arg(
+        long,
+        default_value_t = 0,
+        value_name = "NUMBER",
+        requires = "remote_start"
+    )]
+    base_number: u16,
     /// What to log on standard error, such as `info` or `karel_emulator=debug`.
     ///
     /// [default: info, with --until-idle warn]
@@ -157,6 +169,15 @@ enum FidelityWord {
     Faithful,
     /// It explains itself.
     Kind,
+}
+
+/// How signals choose a program.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum SelectionWord {
+    /// Robot service request.
+    Rsr,
+    /// Program number select.
+    Pns,
 }
 
 /// The generation of a controller, on a command line.
@@ -249,6 +270,13 @@ impl Run {
         };
         config.generation = self.generation.into();
         config.interpolation_period = self.interpolation_ms;
+        config.remote_start = self.remote_start.map(|selection| RemoteStart {
+            selection: match selection {
+                SelectionWord::Rsr => ProgramSelection::Rsr,
+                SelectionWord::Pns => ProgramSelection::Pns,
+            },
+            base: self.base_number,
+        });
         config.seed = self.seed;
         config.presets = self.presets.iter().flat_map(|set| set.0.clone()).collect();
         config.faults.clone_from(&self.faults);
