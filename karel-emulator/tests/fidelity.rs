@@ -243,8 +243,9 @@ fn a_literal_is_no_longer_than_the_strings_of_its_generation() {
             format!("PROGRAM p\nBEGIN\nWRITE ('{text}')\nEND p\n"),
             format!("PROGRAM p\nCONST c = '{text}'\nBEGIN\nEND p\n"),
         ] {
-            karel::Program::for_generation(source.as_bytes(), "p.kl", &files, generation)
-                .map_err(|errors| errors[0].message.clone())?;
+            let program =
+                karel::Program::for_generation(source.as_bytes(), "p.kl", &files, generation);
+            let _program = program.map_err(|errors| errors[0].message.clone())?;
         }
         Ok(())
     };

@@ -200,6 +200,8 @@ pub struct TpMotion {
     pub incremental: bool,
     /// `Wjnt`: the last three axes go as in a joint motion, the first three keep the tool on its way.
     pub wrist_joint: bool,
+    /// `MROT` of a `J`: J4 and J6 go to the turn that is nearest, whatever the target's configuration says.
+    pub least_rotation: bool,
     /// Of the usual acceleration; above 0.
     pub acceleration_percent: f32,
     /// Program of the instruction, upper case.

@@ -4,7 +4,7 @@ use karel::{
     Interpolation, MotionId, Number, Position, Progress, Registers, Status, TaskId, TpMotion,
     TpSpeed, TpTarget, Wait,
 };
-use kinematics::PendantJoints;
+use kinematics::{ArmModel, PendantJoints};
 
 use super::{Hardware, MotionTag};
 use crate::ledger::{CommandId, LedgerEvent, MotionKind, PoseMmDeg};
@@ -188,6 +188,11 @@ impl Hardware {
             }
         };
         let model = self.planner.model();
+        let to = if motion.least_rotation {
+            nearest_turns(model, from, to)
+        } else {
+            to
+        };
         let path = |part: f64| Path::joint_at(model, from, to, part, acceleration);
         match motion.speed {
             TpSpeed::Percent(percent) if percent > 0.0 && percent <= 100.0 => {
@@ -275,6 +280,29 @@ fn tool_speed(speed: TpSpeed) -> Result<ToolSpeed, Refusal> {
             Err(refused(format!("{speed:?} is no speed of this motion")))
         }
     }
+}
+
+/// The same place with J4 and J6 turned as little as possible, inside of their limits.
+///
+/// ASSUMPTION: the wrist is not turned over.
+fn nearest_turns(model: &ArmModel, from: PendantJoints, to: PendantJoints) -> PendantJoints {
+    let mut nearest = to;
+    for axis in [3, 5] {
+        let turned = (-2_i32..=2).filter_map(|turns| {
+            let mut degrees = nearest.degrees();
+            *degrees.get_mut(axis)? += 360.0 * f64::from(turns);
+            let joints = PendantJoints::try_from_degrees(degrees).ok()?;
+            model.check_limits(&joints).is_ok().then_some(joints)
+        });
+        let way = |joints: &PendantJoints| {
+            let [a, b] = [joints, &from].map(|joints| joints.degrees().get(axis).copied());
+            (a.unwrap_or(0.0) - b.unwrap_or(0.0)).abs()
+        };
+        nearest = turned
+            .min_by(|a, b| way(a).total_cmp(&way(b)))
+            .unwrap_or(nearest);
+    }
+    nearest
 }
 
 fn refused(text: String) -> Refusal {

@@ -321,9 +321,9 @@ impl Context<'_> {
         let at = self.variable(number);
         let length = variable::array_length(self.ty(number), at.extra);
         let cells = (0..length).map(|offset| self.memory.get(at.plus(offset)));
-        let texts = cells.map(|cell| match cell {
-            Cell::Text(text) => Some(text.to_string_lossless()),
-            _ => None,
+        let texts = cells.map(|cell| {
+            let has_value = *cell != Cell::Uninit;
+            has_value.then(|| cell.expect_text().to_string_lossless())
         });
         texts.collect()
     }

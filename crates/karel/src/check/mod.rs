@@ -28,6 +28,7 @@ use crate::{
 };
 
 use scope::Scope;
+pub(crate) use scope::nearest;
 
 /// A checked program, not yet lowered.
 #[derive(Debug)]

@@ -98,7 +98,7 @@ impl Scope {
 }
 
 /// The name nearest to `wanted`, if it is near enough to be a slip of the keyboard.
-pub(super) fn nearest<'a>(wanted: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+pub(crate) fn nearest<'a>(wanted: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let limit = 1 + wanted.len() / 5;
     let scored = known.map(|name| (distance(wanted, name), name));
     scored

@@ -1,7 +1,7 @@
 //! Motion instructions: `J PR[1] R[2]% FINE`, `L P[3:place] 250mm/sec CNT50 ACC80`.
 
 use super::{
-    Beside, BesideWhen, Branch, Index, Motion, MotionTarget, Operand, Shift, SpeedUnit,
+    Beside, BesideWhen, Branch, Index, Motion, MotionTarget, Operand, Shift, SpeedUnit, Wrist,
     instruction::{Line, Then},
     scan::{Scanned, Scanner},
 };
@@ -46,7 +46,7 @@ impl Scanner<'_> {
             offset: Shift::No,
             tool_offset: Shift::No,
             incremental: false,
-            wrist_joint: false,
+            wrist: Wrist::AsTaught,
             skip: None,
             skip_jumps: false,
             skip_keeps: None,
@@ -67,7 +67,12 @@ impl Scanner<'_> {
                 if interpolation == Interpolation::Joint {
                     return Err(self.wrong(0, "a motion J has no Wjnt"));
                 }
-                motion.wrist_joint = true;
+                motion.wrist = Wrist::AsJoints;
+            } else if self.eat_word("MROT") {
+                if interpolation != Interpolation::Joint {
+                    return Err(self.wrong(0, "only a motion J has MROT"));
+                }
+                motion.wrist = Wrist::LeastRotation;
             } else if self.eat("AP_LD") || self.eat("RT_LD") {
                 // ASSUMPTION: the way is straight near its ends anyhow, up to the corner that CNT rounds.
                 let _distance = self.operand()?;

@@ -96,13 +96,12 @@ pub(super) fn resolve(
 /// each later one on the circle through it and the two before. Two alone are straight lines. What is between them and is
 /// no motion does not matter.
 fn complete_arcs(instructions: &mut [Instruction]) {
-    let mut moves: Vec<&mut Motion> = instructions
-        .iter_mut()
-        .filter_map(|instruction| match instruction {
-            Instruction::Move(motion) => Some(motion.as_mut()),
-            _ => None,
-        })
-        .collect();
+    let mut moves: Vec<&mut Motion> = Vec::new();
+    for instruction in instructions {
+        if let Instruction::Move(motion) = instruction {
+            moves.push(motion);
+        }
+    }
     let places: Vec<Option<MotionTarget>> = moves
         .iter()
         .map(|motion| {
