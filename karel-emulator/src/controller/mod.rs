@@ -19,6 +19,7 @@ mod snapshot;
 mod steps;
 mod stops;
 mod values;
+mod views;
 mod wired;
 
 pub use data::{ItemKind, SYSTEM, kind_of};
@@ -37,15 +38,13 @@ use std::time::Duration;
 
 use karel::{Machine, Port, PortValue, Status, TaskId, Wait};
 
-use crate::alarms::{Alarm, Severity};
+use crate::alarms::Severity;
 use crate::config::{ControllerConfig, Limits};
-use crate::devices::FileName;
 use crate::effects::{ConnectionId, Effect, Event};
 use crate::error::StartError;
 use crate::faults::{Passed, Wire};
 use crate::hardware::Hardware;
 use crate::hardware::safety::StopCategory;
-use crate::ledger::LedgerEntry;
 use crate::ports::SetInputError;
 
 use faults::Faults;
@@ -336,56 +335,5 @@ impl Controller {
             self.follow_signals();
         }
         Ok(())
-    }
-
-    /// The registers of the controller: `R[n]`, `SR[n]`, `PR[n]`.
-    #[must_use]
-    pub fn registers(&self) -> &karel::Registers {
-        self.machine.registers()
-    }
-
-    /// The files of the devices, `RD:`, `MC:` and so on.
-    #[must_use]
-    pub fn files(&self) -> Vec<(FileName, Vec<u8>)> {
-        let files = self.hardware.devices.files();
-        files
-            .map(|(name, bytes)| (name.clone(), bytes.to_vec()))
-            .collect()
-    }
-
-    /// Where the joints are, in degrees.
-    #[must_use]
-    pub fn joints_deg(&self) -> [f64; 6] {
-        self.hardware.executor.joints(self.hardware.now).degrees()
-    }
-
-    /// Ledger entries above the number `after`, oldest first.
-    #[must_use]
-    pub fn ledger(&self, after: u64) -> Vec<LedgerEntry> {
-        self.hardware.ledger.after(after).cloned().collect()
-    }
-
-    /// How many ledger entries were dropped.
-    #[must_use]
-    pub fn ledger_dropped(&self) -> u64 {
-        self.hardware.ledger.dropped()
-    }
-
-    /// The alarms, oldest first.
-    #[must_use]
-    pub fn alarms(&self) -> Vec<Alarm> {
-        self.hardware.alarms.iter().cloned().collect()
-    }
-
-    /// How many alarms were dropped.
-    #[must_use]
-    pub fn alarms_dropped(&self) -> u64 {
-        self.hardware.alarms.dropped()
-    }
-
-    /// The last lines that programs wrote to the pendant's USER screen.
-    #[must_use]
-    pub fn screen(&self) -> Vec<String> {
-        self.hardware.screen.iter().cloned().collect()
     }
 }

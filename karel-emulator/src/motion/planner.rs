@@ -3,10 +3,11 @@
 use karel::{JointPosition, Position, Status, TpTarget, XyzwprExt};
 use kinematics::{ArmModel, Frames, IkError, Obstacle, PendantJoints, Pose, PoseError, Seed};
 
+use super::arc::{self, OnCircle};
 use super::convert::{
     components, configuration, frames, karel_config, pendant_joints, pose, to_f32,
 };
-use super::linear::{self, LinearTarget, OnCircle, Pace};
+use super::linear::{self, LinearTarget, Pace};
 use super::path::Path;
 use crate::ledger::PoseMmDeg;
 
@@ -114,7 +115,7 @@ impl Planner {
     /// The way of the tool from `from` to `target` on the circle through `via`, which is on the way or elsewhere.
     ///
     /// # Errors
-    /// As [`linear::plan_arc`]; a position or a frame that is no pose.
+    /// As [`arc::plan_arc`]; a position or a frame that is no pose.
     pub fn circular(
         &self,
         from: PendantJoints,
@@ -126,7 +127,7 @@ impl Planner {
         let via = self.way_point(via, &frames)?;
         let target = self.end_point(target, &frames, wrist_joint)?;
         let via = (&via.tcp, place);
-        linear::plan_arc(&self.model, &frames, from, (via, &target), pace)
+        arc::plan_arc(&self.model, &frames, from, (via, &target), pace)
     }
 
     /// As [`Self::way_point`], with the joints there if the wrist goes to them.

@@ -1,4 +1,4 @@
-//! Variables of programs as files: `SAVE`, `LOAD`, `CLEAR`.
+//! Variables of programs as files: `SAVE`, `LOAD`.
 //!
 //! ASSUMPTION: a `.vr` file of a controller is not known. Ours is text: a line for each scalar or
 //! position, `[PROGRAM]PATH = value`; `*` for none; `[PROGRAM]PATH nodes 3` before those of a PATH.
@@ -28,14 +28,13 @@ use crate::{
 
 #[rustfmt::skip]
 pub(super) const TABLE: &[Builtin] = &[
-    Builtin { name: "CLEAR", params: &[Param::Text, Param::OutInteger], required: 2, returns: Returns::Nothing, code: clear },
     Builtin { name: "LOAD", params: &[Param::Text, Param::Integer, Param::OutInteger], required: 3, returns: Returns::Nothing, code: load },
     Builtin { name: "SAVE_DRAM", params: &[Param::Text, Param::OutInteger], required: 2, returns: Returns::Nothing, code: save_dram },
     Builtin { name: "SAVE", params: &[Param::Text, Param::Text, Param::OutInteger], required: 3, returns: Returns::Nothing, code: save },
 ];
 
 /// Most lines of a file.
-const MAX_PARTS: usize = 20_000;
+pub(super) const MAX_PARTS: usize = 20_000;
 
 /// `SAVE(program, file, status)`.
 fn save(context: &mut Context<'_>) -> Result<Outcome, Fault> {
@@ -74,7 +73,12 @@ fn saved(context: &mut Context<'_>) -> Result<(), Status> {
 }
 
 /// The PATHs of a variable by name, and their numbers.
-fn paths_of(names: Names<'_>, program: &str, name: &str, ty: &Type) -> Vec<(String, u32)> {
+pub(super) fn paths_of(
+    names: Names<'_>,
+    program: &str,
+    name: &str,
+    ty: &Type,
+) -> Vec<(String, u32)> {
     if !ty.holds_path() {
         return Vec::new();
     }
@@ -101,7 +105,7 @@ fn with_extension(file: &str) -> String {
     }
 }
 
-fn extension(file: &str) -> String {
+pub(super) fn extension(file: &str) -> String {
     let extension = file.trim().rsplit_once('.').map(|(_, extension)| extension);
     extension.unwrap_or_default().to_ascii_uppercase()
 }
@@ -125,13 +129,13 @@ fn load(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     Ok(Outcome::Done)
 }
 
-fn program_of(file: &str) -> String {
+pub(super) fn program_of(file: &str) -> String {
     let name = file.trim().rsplit([':', '\\', '/']).next().unwrap_or(file);
     let name = name.split('.').next().unwrap_or(name);
     name.to_ascii_uppercase()
 }
 
-fn is_loaded(context: &Context<'_>, file: &str) -> bool {
+pub(super) fn is_loaded(context: &Context<'_>, file: &str) -> bool {
     let name = program_of(file);
     context.programs.iter().any(|loaded| loaded.name() == name)
 }
@@ -223,64 +227,6 @@ fn save_dram(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     };
     context.put_status(1, status);
     Ok(Outcome::Done)
-}
-
-/// `CLEAR('PROGRAM.VR', status)`: its variables lose their values. `CLEAR('PROGRAM.TP', status)`: a TP program is
-/// deleted.
-///
-/// ASSUMPTION: without an extension it is what the program is; a program that is open or that a task executes, and a
-/// KAREL program, is status 7004.
-fn clear(context: &mut Context<'_>) -> Result<Outcome, Fault> {
-    let file = context.text(0).to_string_lossless();
-    let name = program_of(&file);
-    let mut programs = context.programs.iter().enumerate();
-    let found = programs.find(|(_, loaded)| loaded.name() == name);
-    let status = match found {
-        None => Status::MEMO_NO_PROGRAM,
-        Some(_) if extension(&file) == "VR" => {
-            clear_variables(context, &name);
-            Status::OK
-        }
-        Some((index, loaded))
-            if loaded.is_listing()
-                && matches!(extension(&file).as_str(), "" | "TP")
-                && !context.teaching.is_open(&name)
-                && !is_executed(context, index) =>
-        {
-            context.teaching.deleted.push(name);
-            context.put_status(1, Status::OK);
-            return Ok(Outcome::DoneThenPause(super::teaching::PAUSE));
-        }
-        Some(_) => Status::MEMO_IN_USE,
-    };
-    context.put_status(1, status);
-    Ok(Outcome::Done)
-}
-
-/// Whether a task is in the program, also as a caller of what it executes.
-fn is_executed(context: &Context<'_>, program: usize) -> bool {
-    let own = context
-        .callers
-        .iter()
-        .any(|caller| caller.program == program);
-    own || context.tasks.is_executed(program)
-}
-
-fn clear_variables(context: &mut Context<'_>, program: &str) {
-    let Some(loaded) = context.programs.iter().find(|of| of.name() == program) else {
-        return;
-    };
-    let parts = parts_of(context.names(), loaded, MAX_PARTS);
-    for (_, cell, ty) in parts {
-        if ty != Type::File {
-            context.memory.clear(address(cell, &ty), &ty);
-        }
-    }
-    for (name, ty) in loaded.variables() {
-        for (_, path) in paths_of(context.names(), program, name, ty) {
-            context.paths.clear(path);
-        }
-    }
 }
 
 fn written(value: &Value) -> String {

@@ -230,22 +230,7 @@ impl Checker<'_> {
 
     /// Strings and arrays without a length are for parameters only.
     pub(super) fn refuse_open(&mut self, ty: &Type, written: &TypeExpr) {
-        let open = match ty {
-            Type::Text(TextLength::Any) => true,
-            Type::Array(array) => array.is_open(),
-            Type::Integer
-            | Type::Real
-            | Type::Boolean
-            | Type::Text(_)
-            | Type::File
-            | Type::Config
-            | Type::Position(_)
-            | Type::Joints(_)
-            | Type::Structure(_)
-            | Type::Path(_)
-            | Type::Small(_)
-            | Type::Error => false,
-        };
+        let open = *ty == Type::TEXT || matches!(ty, Type::Array(array) if array.is_open());
         if open {
             let message = format!("{ty} needs a length here");
             self.reports.error_with_help(

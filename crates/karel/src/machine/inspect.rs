@@ -170,36 +170,29 @@ fn split(
 
 /// The PATHs of a variable as programs name them, each with its first cell and its type.
 pub(crate) fn paths_in(name: &str, cell: u32, ty: &Type) -> Vec<(String, u32, Arc<PathType>)> {
-    match ty {
-        Type::Path(path) => vec![(name.to_owned(), cell, path.clone())],
-        Type::Structure(structure) => {
-            let fields = structure.fields.iter();
-            let paths = fields.flat_map(|field| {
-                let name = format!("{name}.{}", field.name);
-                paths_in(&name, cell + field.offset, &field.ty)
-            });
-            paths.collect()
-        }
-        Type::Array(array) if array.element.holds_path() => {
-            let count: u32 = array.dims.iter().product();
-            let paths = (0..count).flat_map(|index| {
-                let name = format!("{name}[{}]", subscripts(index, &array.dims));
-                paths_in(&name, cell + index * array.element.size(), &array.element)
-            });
-            paths.collect()
-        }
-        Type::Array(_)
-        | Type::Integer
-        | Type::Real
-        | Type::Boolean
-        | Type::Text(_)
-        | Type::File
-        | Type::Config
-        | Type::Position(_)
-        | Type::Joints(_)
-        | Type::Small(_)
-        | Type::Error => Vec::new(),
+    if !ty.holds_path() {
+        return Vec::new();
     }
+    if let Type::Path(path) = ty {
+        return vec![(name.to_owned(), cell, path.clone())];
+    }
+    if let Type::Structure(structure) = ty {
+        let fields = structure.fields.iter();
+        let paths = fields.flat_map(|field| {
+            let name = format!("{name}.{}", field.name);
+            paths_in(&name, cell + field.offset, &field.ty)
+        });
+        return paths.collect();
+    }
+    let Type::Array(array) = ty else {
+        return Vec::new();
+    };
+    let count: u32 = array.dims.iter().product();
+    let paths = (0..count).flat_map(|index| {
+        let name = format!("{name}[{}]", subscripts(index, &array.dims));
+        paths_in(&name, cell + index * array.element.size(), &array.element)
+    });
+    paths.collect()
 }
 
 /// `2,3` for the sixth element of an array of 2 by 4: the last subscript runs fastest.

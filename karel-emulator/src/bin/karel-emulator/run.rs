@@ -6,22 +6,24 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Context, anyhow, bail};
-use clap::ValueEnum;
 use karel::{ByteOrder, Program};
 use karel_emulator::config::{
     ControllerConfig, Exposure, InterpolationPeriod, ProgramSource, SecondClient,
 };
 use karel_emulator::devices;
 use karel_emulator::{
-    Clock, ControlAccess, ControllerGeneration, ControllerOption, FaultBody, Fidelity, PeerLabels,
-    ProgramSelection, RemoteStart, VirtualController,
+    Clock, ControlAccess, ControllerOption, FaultBody, Fidelity, PeerLabels, ProgramSelection,
+    RemoteStart, VirtualController,
 };
 use kinematics::{ArmModel, PendantJoints};
 use tokio::signal::unix::{SignalKind, signal};
 
 mod idle;
+mod words;
 
 use crate::includes::Folder;
+pub(crate) use words::GenerationWord;
+use words::{FidelityWord, MissingOption, Second, SelectionWord};
 
 /// Run KAREL programs on a virtual controller.
 ///
@@ -144,61 +146,6 @@ pub(crate) struct Run {
     /// [default: info, with --until-idle warn]
     #[arg(long, env = "KAREL_EMULATOR_LOG", value_name = "FILTER")]
     log: Option<String>,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-#[value(rename_all = "UPPER")]
-enum MissingOption {
-    /// KAREL.
-    R632,
-    /// User Socket Messaging.
-    R648,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Second {
-    /// It waits for its turn.
-    Backlog,
-    /// It is refused.
-    Refuse,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum FidelityWord {
-    /// As silent as a real one.
-    Faithful,
-    /// It explains itself.
-    Kind,
-}
-
-/// How signals choose a program.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum SelectionWord {
-    /// Robot service request.
-    Rsr,
-    /// Program number select.
-    Pns,
-}
-
-/// The generation of a controller, on a command line.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum GenerationWord {
-    /// Whatever any of them accepts.
-    Any,
-    /// R-30iA, system software 7.
-    V7,
-    /// R-30iB Plus, system software 9.
-    V9,
-}
-
-impl From<GenerationWord> for ControllerGeneration {
-    fn from(word: GenerationWord) -> Self {
-        match word {
-            GenerationWord::Any => Self::Any,
-            GenerationWord::V7 => Self::V7,
-            GenerationWord::V9 => Self::V9,
-        }
-    }
 }
 
 impl Run {
