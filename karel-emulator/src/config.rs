@@ -8,6 +8,7 @@ use std::time::Duration;
 use karel::ByteOrder;
 use kinematics::{ArmModel, PendantJoints};
 
+use crate::controller::RemoteStart;
 use crate::devices::{FileName, Folder};
 use crate::faults::{ControllerOption, FaultBody};
 use crate::fidelity::{ControllerGeneration, Fidelity};
@@ -200,6 +201,8 @@ pub struct ControllerConfig {
     pub screen: Option<ScreenSink>,
     /// What random faults are drawn from.
     pub seed: u64,
+    /// Whether signals of the user operator panel start programs. Nothing runs from power-on then, but what `run` names.
+    pub remote_start: Option<RemoteStart>,
     /// How emergency stop buttons stop the arm.
     pub stop_category: StopCategory,
     /// Bounds.
@@ -275,6 +278,7 @@ impl ControllerConfig {
             trace: false,
             screen: None,
             seed: 0,
+            remote_start: None,
             stop_category: StopCategory::default(),
             limits: Limits::default(),
         }

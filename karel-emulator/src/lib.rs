@@ -77,7 +77,9 @@ pub use clock::{Clock, Stepper};
 pub use config::{
     ControlAccess, ControllerConfig, Exposure, ProgramSource, ScreenSink, SecondClient,
 };
-pub use controller::{CmosMemory, Controller, OperateError, Operation};
+pub use controller::{
+    CmosMemory, Controller, OperateError, Operation, ProgramSelection, RemoteStart,
+};
 pub use error::{ControllerStopped, StartError};
 pub use faults::{ControllerOption, FaultBody, FaultError, FaultKind, FaultView};
 pub use fidelity::{ControllerGeneration, Fidelity, Note, Profile};

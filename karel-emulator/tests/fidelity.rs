@@ -234,6 +234,36 @@ async fn a_controller_of_generation_7_has_strings_of_128_characters() {
 }
 
 #[test]
+fn a_literal_is_no_longer_than_the_strings_of_its_generation() {
+    use karel::Generation::{Any, V7, V9};
+    let files = karel::IncludeFiles::default();
+    let check = |generation, length| {
+        let text = "x".repeat(length);
+        for source in [
+            format!("PROGRAM p\nBEGIN\nWRITE ('{text}')\nEND p\n"),
+            format!("PROGRAM p\nCONST c = '{text}'\nBEGIN\nEND p\n"),
+        ] {
+            let program =
+                karel::Program::for_generation(source.as_bytes(), "p.kl", &files, generation);
+            let _program = program.map_err(|errors| errors[0].message.clone())?;
+        }
+        Ok(())
+    };
+    for (generation, most, of) in [
+        (V7, 128, " of generation v7"),
+        (V9, 254, " of generation v9"),
+        (Any, 254, ""),
+    ] {
+        assert_eq!(check(generation, most), Ok(()));
+        let refused = format!(
+            "a string{of} has at most {most} bytes, this one has {}",
+            most + 1
+        );
+        assert_eq!(check(generation, most + 1), Err(refused));
+    }
+}
+
+#[test]
 fn a_name_of_13_characters_is_a_warning_for_generation_7() {
     let source = b"PROGRAM thirteen_char\nVAR n : INTEGER\nBEGIN\nEND thirteen_char\n";
     let files = karel::IncludeFiles::default();

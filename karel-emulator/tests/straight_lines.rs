@@ -7,36 +7,15 @@
 
 mod common;
 
+use common::tp::{Core, config, position};
 use common::{Stepped, arm};
 use karel_emulator::LedgerEvent::{Finished, Started};
 use karel_emulator::ledger::MotionKind;
 use karel_emulator::{ControllerConfig, LedgerEvent, ProgramSource};
 use kinematics::Axis;
 
-fn listing(name: &str, lines: &[&str], positions: &str) -> ProgramSource {
-    let body: Vec<String> = lines
-        .iter()
-        .enumerate()
-        .map(|(n, line)| format!("{:4}:{line} ;\n", n + 1))
-        .collect();
-    let text = format!(
-        "/PROG  {name}\n/ATTR\n/MN\n{}/POS\n{positions}/END\n",
-        body.concat()
-    );
-    ProgramSource::new(format!("{name}.ls"), text)
-}
-
-fn position(n: u32, pose: [f64; 6]) -> String {
-    let [x, y, z, w, p, r] = pose;
-    format!(
-        "P[{n}:\"here\"]{{\n   GP1:\n\tUF : 0, UT : 1,\t\tCONFIG : 'N U T, 0, 0, 0',\n\tX = {x} mm,\tY = {y} mm,\tZ = {z} mm,\n\tW = {w} deg,\tP = {p} deg,\tR = {r} deg\n}};\n"
-    )
-}
-
 fn cell(lines: &[&str], positions: &str) -> Stepped {
-    let mut config = ControllerConfig::new("tp", arm());
-    config = config.with_program(listing("moves", lines, positions));
-    Stepped::start(&config)
+    Stepped::start(&config(lines, positions))
 }
 
 async fn kinds(cell: &Stepped) -> Vec<(LedgerEvent, MotionKind)> {
@@ -280,6 +259,76 @@ async fn an_arc_is_round_passes_its_middle_and_keeps_its_speed() {
             (Finished, MotionKind::Circular)
         ]
     );
+}
+
+/// The kinds of the motions that were started.
+fn started(core: &Core) -> Vec<MotionKind> {
+    let ledger = core.0.ledger(0);
+    let started = ledger.iter().filter(|entry| entry.event == Started);
+    started.map(|entry| entry.kind).collect()
+}
+
+#[test]
+fn assumed_places_of_a_lines_make_arcs_of_the_circle_through_three_of_them() {
+    let right = [900.0, -200.0, 700.0, 180.0, 0.0, 0.0];
+    let above = [900.0, 200.0, 900.0, 180.0, 0.0, 0.0];
+    let positions = position(1, ON_THE_LEFT)
+        + &position(2, ON_TOP)
+        + &position(3, right)
+        + &position(4, BELOW)
+        + &position(5, above);
+    let lines = [
+        "J P[5] 100% FINE",
+        "A P[1] 300mm/sec FINE",
+        "A P[2] 300mm/sec FINE",
+        "! on the way",
+        "A P[3] 300mm/sec FINE",
+        "A P[4] 300mm/sec FINE",
+        // Two of them are no circle.
+        "L P[1] 300mm/sec FINE",
+        "A P[5] 300mm/sec FINE",
+        "A P[1] 300mm/sec FINE",
+    ];
+    let mut core = Core::moves(&lines, &positions);
+    let (mut off, mut quarters) = (0.0_f64, Vec::new());
+    while !(core.0.state().idle && started(&core).len() == 8) {
+        core.advance(0.004);
+        let [x, y, z] = core.tool();
+        if (3..=5).contains(&started(&core).len()) {
+            off = off
+                .max((y.hypot(z - 700.0) - 200.0).abs())
+                .max((x - 900.0).abs());
+            let quarter = (y > 0.0, z > 700.0);
+            if quarters.last() != Some(&quarter) {
+                quarters.push(quarter);
+            }
+        }
+    }
+    assert!(off < 0.02, "{off} mm beside the circle");
+    // From the left over the top to the right, and on to below: never back over the left.
+    let over_the_top = [(true, true), (false, true), (false, false)];
+    assert_eq!(quarters.get(..3), Some(&over_the_top[..]), "{quarters:?}");
+    let (joint, line, arc) = (MotionKind::Joint, MotionKind::Linear, MotionKind::Circular);
+    let kinds = [joint, line, arc, arc, arc, line, line, line];
+    assert_eq!(started(&core), kinds);
+}
+
+#[test]
+fn three_places_of_a_lines_on_one_line_are_no_circle() {
+    let place = |n, y| position(n, [900.0, y, 700.0, 180.0, 0.0, 0.0]);
+    let lines = [
+        "J P[1] 100% FINE",
+        "A P[1] 300mm/sec FINE",
+        "A P[2] 300mm/sec FINE",
+        "A P[3] 300mm/sec FINE",
+    ];
+    let mut core = Core::moves(
+        &lines,
+        &(place(1, -100.0) + &place(2, 0.0) + &place(3, 100.0)),
+    );
+    core.finish();
+    let alarm = core.last_alarm();
+    assert!(alarm.starts_with("MOTN-997"), "{alarm}");
 }
 
 #[tokio::test]

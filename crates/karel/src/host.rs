@@ -5,6 +5,8 @@
 //! the caller what to wait for. When the task runs again, the same call is made again with the
 //! same arguments. Waking a task too early is harmless.
 
+mod motion;
+
 use std::{sync::Arc, time::Duration};
 
 use crate::{
@@ -16,6 +18,8 @@ use crate::{
     syspath::SysPath,
     value::{SysValue, Value},
 };
+
+pub use motion::{Interpolation, MotionPath, MotionRequest, MoveEnd, TpMotion, TpSpeed, TpTarget};
 
 /// An open file, named by the host. Never reused while a program may still hold it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -96,15 +100,6 @@ pub enum OpenMode {
     Update,
 }
 
-/// Whether a MOVE waits for its end. The host needs it only for its records.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum MoveEnd {
-    /// The statement ends when the motion ends.
-    Wait,
-    /// `NOWAIT`: the statement ends when the motion is queued.
-    NoWait,
-}
-
 /// What a program wants a hand to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum HandAction {
@@ -114,96 +109,6 @@ pub enum HandAction {
     Close,
     /// `RELAX HAND`.
     Relax,
-}
-
-/// A MOVE TO. Speed, motion type, frames and termination are the host's system variables
-/// (`$SPEED`, `$MOTYPE`, `$UFRAME`, `$UTOOL`, `$TERMTYPE`) at the moment of the call.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MotionRequest {
-    /// Where `$UTOOL` goes to in `$UFRAME`, millimeters and degrees.
-    pub target: XyzwprExt,
-    /// `VIA`: a position on the arc of a circular motion.
-    pub via: Option<XyzwprExt>,
-    /// `MOVE AXIS`: the joints that are meant, in place of the target, which is where the tool is.
-    pub joints: Option<JointPosition>,
-    /// How it gets there.
-    pub path: MotionPath,
-    /// Motion group, from 1.
-    pub group: i32,
-    /// Whether the statement waits.
-    pub end: MoveEnd,
-    /// Program of the statement, upper case.
-    pub program: Arc<str>,
-    /// Physical source line of the statement, from 1.
-    pub line: u32,
-}
-
-/// How a motion of a KAREL program gets to its target.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum MotionPath {
-    /// As `$MOTYPE` says.
-    #[default]
-    AsSet,
-    /// On a straight line, whatever `$MOTYPE` says: RELATIVE, AWAY, ABOUT.
-    Straight,
-}
-
-/// How a motion of a TP program gets to its target.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Interpolation {
-    /// `J`: all axes start and stop together.
-    Joint,
-    /// `L`: the tool center point on a straight line.
-    Linear,
-    /// `C`: the tool center point on an arc through [`TpMotion::via`].
-    Circular,
-}
-
-/// Where a motion of a TP program goes to.
-#[derive(Clone, Debug, PartialEq)]
-pub enum TpTarget {
-    /// A pose of the active tool in the active user frame of the TP environment.
-    Cartesian(XyzwprExt),
-    /// Joints.
-    Joints(JointPosition),
-}
-
-/// How fast a motion of a TP program is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum TpSpeed {
-    /// Of the speed of the axis that limits the motion.
-    Percent(f32),
-    /// Of the tool center point.
-    MmPerSec(f32),
-    /// Of the change of the tool's orientation.
-    DegPerSec(f32),
-    /// From the start to the end.
-    Seconds(f32),
-}
-
-/// A motion instruction of a TP program.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TpMotion {
-    /// `J`, `L` or `C`.
-    pub interpolation: Interpolation,
-    /// Of a `C`: a position on the arc between the start and the target.
-    pub via: Option<TpTarget>,
-    /// Where to.
-    pub target: TpTarget,
-    /// How fast.
-    pub speed: TpSpeed,
-    /// `CNT`: how much the corner at the target may be rounded, 0 to 100; `None` is `FINE`.
-    pub rounding_percent: Option<f32>,
-    /// `INC`: the target counts from where the motion starts, component by component.
-    pub incremental: bool,
-    /// `Wjnt`: the last three axes go as in a joint motion, the first three keep the tool on its way.
-    pub wrist_joint: bool,
-    /// Of the usual acceleration; above 0.
-    pub acceleration_percent: f32,
-    /// Program of the instruction, upper case.
-    pub program: Arc<str>,
-    /// The instruction's line as the pendant numbers it, from 1.
-    pub line: u32,
 }
 
 /// An alarm as `ERR_DATA` reports it.

@@ -369,6 +369,8 @@ pub(crate) struct RoutineCode {
     pub(crate) frame_cells: u32,
     /// Frame cells of FILE variables.
     pub(crate) files: Vec<u32>,
+    /// Frame cells of PATH variables, and the size of a node.
+    pub(crate) paths: Vec<(u32, u32)>,
 }
 
 /// How subscripts become an offset.

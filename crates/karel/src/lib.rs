@@ -108,6 +108,7 @@ mod tp;
 mod typed;
 mod types;
 mod value;
+mod vendor_file;
 
 pub use cmos::{Cmos, PathNodes, Scalar};
 pub use diagnostic::{Diagnostic, Severity, render};

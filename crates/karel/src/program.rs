@@ -17,6 +17,7 @@ use crate::{
     span::Source,
     tp,
     types::Type,
+    vendor_file,
 };
 
 /// A KAREL program, ready to be loaded into a [`crate::Machine`].
@@ -174,6 +175,9 @@ impl Program {
         includes: &dyn Includes,
         generation: Generation,
     ) -> Result<Program, Vec<Diagnostic>> {
+        if let Some(refusal) = vendor_file::refusal(file_name) {
+            return Err(refusal);
+        }
         let extension = file_name.rsplit_once('.').map(|(_, extension)| extension);
         if extension.is_some_and(|extension| extension.eq_ignore_ascii_case("ls")) {
             return Program::parse_listing(source, file_name);

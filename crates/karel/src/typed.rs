@@ -23,6 +23,8 @@ pub(crate) struct Routine {
     pub(crate) first_local: u32,
     /// Cells of FILE locals, which are closed when the routine returns.
     pub(crate) files: Vec<u32>,
+    /// Cells of PATH locals, and the size of a node.
+    pub(crate) paths: Vec<(u32, u32)>,
     pub(crate) signature: Signature,
     pub(crate) labels: u32,
     pub(crate) body: Vec<Stmt>,

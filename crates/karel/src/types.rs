@@ -4,16 +4,26 @@
 //! of their parts in order, so that every part can be uninitialized on its own and a reference to
 //! any part is one number.
 
+mod array;
 mod display;
+mod position;
 mod standard;
 
 use std::sync::Arc;
+
+pub(crate) use array::{
+    ArrayType, MAX_OPEN_DIMS, grid_lengths, split_grid, split_text_array, text_array_lengths,
+};
+pub(crate) use position::{CONFIG_OFFSET, JointKind, PositionKind};
 
 /// Longest string of a program.
 pub(crate) const MAX_STRING: usize = 254;
 
 /// Most cells of one variable, and of all variables of a program.
 pub(crate) const MAX_CELLS: u32 = 1 << 20;
+
+/// Most PATHs of a program's variables, and of one routine's.
+pub(crate) const MAX_PATHS: usize = 1_000;
 
 /// Most cells of a node of a PATH.
 pub(crate) const MAX_NODE: u32 = 1 << 12;
@@ -69,35 +79,6 @@ pub(crate) enum TextLength {
     Any,
 }
 
-/// The three cartesian types. VECTOR has three cells of the same kind and is not one of them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum PositionKind {
-    Position,
-    Xyzwpr,
-    XyzwprExt,
-}
-
-/// `JOINTPOS` and `JOINTPOS1` to `JOINTPOS9`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum JointKind {
-    /// As many axes as the group has; the cells behind them are uninitialized.
-    OfGroup,
-    /// This many.
-    Axes(u8),
-}
-
-impl JointKind {
-    pub(crate) fn size(self) -> u32 {
-        match self {
-            JointKind::OfGroup => MAX_AXES,
-            JointKind::Axes(axes) => u32::from(axes),
-        }
-    }
-}
-
-/// Axes of a motion group.
-pub(crate) const MAX_AXES: u32 = 9;
-
 /// `PATH`: in memory one cell that names its nodes, and the header.
 #[derive(Debug, PartialEq)]
 pub(crate) struct PathType {
@@ -105,63 +86,6 @@ pub(crate) struct PathType {
     pub(crate) node: Type,
     /// Levels of arrays and structures, this one included.
     pub(crate) depth: u32,
-}
-
-#[derive(Debug, PartialEq)]
-pub(crate) struct ArrayType {
-    /// Lengths of the dimensions; none for an open array, zeros for an open one of several.
-    pub(crate) dims: Vec<u32>,
-    pub(crate) element: Type,
-    /// Levels of arrays and structures, this one included.
-    pub(crate) depth: u32,
-}
-
-impl ArrayType {
-    pub(crate) fn is_open(&self) -> bool {
-        self.dims.is_empty() || self.is_open_grid()
-    }
-
-    /// Open, with several dimensions.
-    pub(crate) fn is_open_grid(&self) -> bool {
-        self.dims.contains(&0)
-    }
-}
-
-/// Most open dimensions of an array.
-pub(crate) const MAX_OPEN_DIMS: usize = 3;
-
-/// Bits for the length of one of this many dimensions.
-const GRID_BITS: [u32; 2] = [16, 10];
-
-fn grid_bits(dims: usize) -> u32 {
-    let index = dims.saturating_sub(2);
-    GRID_BITS.get(index).copied().unwrap_or(0)
-}
-
-/// The lengths of two or three dimensions as one number, which a reference carries; `None` if one
-/// is too long for that.
-pub(crate) fn grid_lengths(dims: &[u32]) -> Option<u32> {
-    let bits = grid_bits(dims.len());
-    let mut lengths = 0;
-    for dim in dims {
-        if *dim >> bits != 0 {
-            return None;
-        }
-        lengths = lengths << bits | dim;
-    }
-    (bits > 0).then_some(lengths)
-}
-
-/// The lengths of [`grid_lengths`].
-pub(crate) fn split_grid(mut lengths: u32, dims: usize) -> Vec<u32> {
-    let bits = grid_bits(dims);
-    let mut split = Vec::new();
-    for _ in 0..dims {
-        split.push(lengths & ((1 << bits) - 1));
-        lengths >>= bits;
-    }
-    split.reverse();
-    split
 }
 
 #[derive(Debug)]
@@ -185,52 +109,6 @@ pub(crate) struct Field {
     pub(crate) name: String,
     pub(crate) ty: Type,
     pub(crate) offset: u32,
-}
-
-/// Bits that the length of a string needs beside the length of an array.
-const TEXT_BITS: u32 = 8;
-
-/// The length of an array and that of its strings as one number, which a reference to it carries.
-pub(crate) fn text_array_lengths(array: u32, text: u32) -> u32 {
-    array << TEXT_BITS | text
-}
-
-/// The two lengths of [`text_array_lengths`].
-pub(crate) fn split_text_array(lengths: u32) -> (u32, u32) {
-    (lengths >> TEXT_BITS, lengths & ((1 << TEXT_BITS) - 1))
-}
-
-const _: () = assert!(MAX_CELLS <= 1 << (32 - TEXT_BITS) && MAX_STRING < 1 << TEXT_BITS);
-
-/// Offset of CONFIG in a position; x, y, z, w, p, r come before it.
-pub(crate) const CONFIG_OFFSET: u32 = 6;
-
-const COMPONENTS: [&str; 6] = ["X", "Y", "Z", "W", "P", "R"];
-const EXTENDED: [&str; 3] = ["EXT1", "EXT2", "EXT3"];
-
-impl PositionKind {
-    /// Cells of a value: six components, the configuration, and extended axes if any.
-    pub(crate) fn size(self) -> u32 {
-        match self {
-            PositionKind::Position | PositionKind::Xyzwpr => CONFIG_OFFSET + 1,
-            PositionKind::XyzwprExt => CONFIG_OFFSET + 4,
-        }
-    }
-
-    fn field(self, name: &str) -> Option<(u32, Type)> {
-        let index = |names: &[&str]| names.iter().position(|known| *known == name);
-        if let Some(index) = index(&COMPONENTS) {
-            return Some((u32::try_from(index).ok()?, Type::Real));
-        }
-        if name == "CONFIG_DATA" {
-            return Some((CONFIG_OFFSET, Type::Config));
-        }
-        if self != PositionKind::XyzwprExt {
-            return None;
-        }
-        let extended = u32::try_from(index(&EXTENDED)?).ok()?;
-        Some((CONFIG_OFFSET + 1 + extended, Type::Real))
-    }
 }
 
 impl Type {
@@ -288,20 +166,14 @@ impl Type {
 
     /// Levels of arrays and structures; limited, because types are walked recursively.
     pub(crate) fn depth(&self) -> u32 {
-        match self {
-            Type::Array(array) => array.depth,
-            Type::Structure(structure) => structure.depth,
-            Type::Path(path) => path.depth,
-            Type::Integer
-            | Type::Real
-            | Type::Boolean
-            | Type::Text(_)
-            | Type::File
-            | Type::Config
-            | Type::Position(_)
-            | Type::Joints(_)
-            | Type::Small(_)
-            | Type::Error => 0,
+        if let Type::Array(array) = self {
+            array.depth
+        } else if let Type::Structure(structure) = self {
+            structure.depth
+        } else if let Type::Path(path) = self {
+            path.depth
+        } else {
+            0
         }
     }
 
@@ -358,27 +230,18 @@ impl Type {
 
     /// Offset and type of a field.
     pub(crate) fn field(&self, name: &str) -> Option<(u32, Type)> {
-        match self {
-            Type::Position(kind) => kind.field(name),
-            Type::Structure(structure) => {
-                let field = structure.fields.iter().find(|field| field.name == name)?;
-                Some((field.offset, field.ty.clone()))
-            }
-            Type::Path(path) => {
-                let (offset, ty) = path.header.as_ref()?.field(name)?;
-                Some((offset + 1, ty))
-            }
-            Type::Integer
-            | Type::Real
-            | Type::Boolean
-            | Type::Text(_)
-            | Type::File
-            | Type::Config
-            | Type::Joints(_)
-            | Type::Small(_)
-            | Type::Array(_)
-            | Type::Error => None,
+        if let Type::Position(kind) = self {
+            return kind.field(name);
         }
+        if let Type::Structure(structure) = self {
+            let field = structure.fields.iter().find(|field| field.name == name)?;
+            return Some((field.offset, field.ty.clone()));
+        }
+        let Type::Path(path) = self else {
+            return None;
+        };
+        let (offset, ty) = path.header.as_ref()?.field(name)?;
+        Some((offset + 1, ty))
     }
 
     /// The types of its cells, in order.
@@ -420,24 +283,30 @@ impl Type {
         }
     }
 
-    /// Whether a FILE is in it, or it is a PATH: those cannot be copied.
+    /// Whether a FILE is in it, or it is one.
     pub(crate) fn holds_file(&self) -> bool {
-        match self {
-            Type::File | Type::Path(_) => true,
-            Type::Array(array) => array.element.holds_file(),
-            Type::Structure(structure) => {
-                structure.fields.iter().any(|field| field.ty.holds_file())
-            }
-            Type::Integer
-            | Type::Real
-            | Type::Boolean
-            | Type::Text(_)
-            | Type::Config
-            | Type::Position(_)
-            | Type::Joints(_)
-            | Type::Small(_)
-            | Type::Error => false,
+        self.holds(&|ty| matches!(ty, Type::File))
+    }
+
+    /// Whether a PATH is in it, or it is one.
+    pub(crate) fn holds_path(&self) -> bool {
+        self.holds(&|ty| matches!(ty, Type::Path(_)))
+    }
+
+    /// Whether it can be copied: neither FILEs nor PATHs can.
+    pub(crate) fn is_copied(&self) -> bool {
+        !self.holds(&|ty| matches!(ty, Type::File | Type::Path(_)))
+    }
+
+    fn holds(&self, wanted: &dyn Fn(&Type) -> bool) -> bool {
+        if let Type::Array(array) = self {
+            return array.element.holds(wanted);
         }
+        if let Type::Structure(structure) = self {
+            let mut fields = structure.fields.iter();
+            return fields.any(|field| field.ty.holds(wanted));
+        }
+        wanted(self)
     }
 }
 

@@ -13,17 +13,20 @@ mod load;
 mod operate;
 mod power;
 mod programs;
+mod remote;
 mod schedule;
 mod snapshot;
 mod steps;
 mod stops;
 mod values;
+mod views;
 mod wired;
 
 pub use data::{ItemKind, SYSTEM, kind_of};
 pub use operate::{OperateError, Operation};
 pub use power::CmosMemory;
 pub use programs::{Lines, ProgramKind, ProgramView, TaskError, TaskSeen};
+pub use remote::{ProgramSelection, RemoteStart};
 pub(crate) use snapshot::task_in_words;
 pub use steps::{TRACE_LINES, TraceEntry, TraceError};
 pub use values::{
@@ -35,19 +38,18 @@ use std::time::Duration;
 
 use karel::{Machine, Port, PortValue, Status, TaskId, Wait};
 
-use crate::alarms::{Alarm, Severity};
+use crate::alarms::Severity;
 use crate::config::{ControllerConfig, Limits};
-use crate::devices::FileName;
 use crate::effects::{ConnectionId, Effect, Event};
 use crate::error::StartError;
 use crate::faults::{Passed, Wire};
 use crate::hardware::Hardware;
 use crate::hardware::safety::StopCategory;
-use crate::ledger::LedgerEntry;
 use crate::ports::SetInputError;
 
 use faults::Faults;
 use programs::Loaded;
+use remote::Remote;
 use steps::{Place, Trace};
 
 /// The period in which a task may spend its instructions.
@@ -91,6 +93,8 @@ pub struct Controller {
     single_step: bool,
     /// How emergency stop buttons stop the arm.
     stop_category: StopCategory,
+    /// The signals that start programs, if any do.
+    remote: Option<Remote>,
 }
 
 #[derive(Debug)]
@@ -142,7 +146,8 @@ impl Controller {
             config.generation.into(),
             limits,
         )?;
-        let run = if config.run.is_empty() {
+        // With signals that start programs, nothing else starts one unless it is told to.
+        let run = if config.run.is_empty() && config.remote_start.is_none() {
             let first = loaded.first().map(|program| program.name.clone());
             first.into_iter().collect()
         } else {
@@ -164,6 +169,7 @@ impl Controller {
             trace: Trace::default(),
             single_step: false,
             stop_category: config.stop_category,
+            remote: config.remote_start.map(Remote::new),
         };
         for name in run {
             let _task = controller
@@ -174,6 +180,7 @@ impl Controller {
                 })?;
         }
         controller.follow_tasks();
+        controller.wire_remote();
         for (item, text) in &config.presets {
             let set = controller.set_item(item, text);
             set.map_err(|error| StartError::Preset {
@@ -218,6 +225,7 @@ impl Controller {
     ///
     /// One call costs at most one share of each task, so the caller can look after other things in between.
     pub fn advance(&mut self, until: Duration) -> Advance {
+        self.follow_signals();
         if self.run_ready_tasks() {
             return Advance::Worked;
         }
@@ -267,6 +275,7 @@ impl Controller {
             .chain(self.wire.next_due())
             .chain(self.faults.next_end())
             .chain(self.off_until)
+            .chain(self.remote.as_ref().and_then(Remote::next_due))
             .min()
     }
 
@@ -323,58 +332,8 @@ impl Controller {
                 controller = %self.hardware.name,
                 "The input {port}[{number}] was set to {value:?} from outside.",
             );
+            self.follow_signals();
         }
         Ok(())
-    }
-
-    /// The registers of the controller: `R[n]`, `SR[n]`, `PR[n]`.
-    #[must_use]
-    pub fn registers(&self) -> &karel::Registers {
-        self.machine.registers()
-    }
-
-    /// The files of the devices, `RD:`, `MC:` and so on.
-    #[must_use]
-    pub fn files(&self) -> Vec<(FileName, Vec<u8>)> {
-        let files = self.hardware.devices.files();
-        files
-            .map(|(name, bytes)| (name.clone(), bytes.to_vec()))
-            .collect()
-    }
-
-    /// Where the joints are, in degrees.
-    #[must_use]
-    pub fn joints_deg(&self) -> [f64; 6] {
-        self.hardware.executor.joints(self.hardware.now).degrees()
-    }
-
-    /// Ledger entries above the number `after`, oldest first.
-    #[must_use]
-    pub fn ledger(&self, after: u64) -> Vec<LedgerEntry> {
-        self.hardware.ledger.after(after).cloned().collect()
-    }
-
-    /// How many ledger entries were dropped.
-    #[must_use]
-    pub fn ledger_dropped(&self) -> u64 {
-        self.hardware.ledger.dropped()
-    }
-
-    /// The alarms, oldest first.
-    #[must_use]
-    pub fn alarms(&self) -> Vec<Alarm> {
-        self.hardware.alarms.iter().cloned().collect()
-    }
-
-    /// How many alarms were dropped.
-    #[must_use]
-    pub fn alarms_dropped(&self) -> u64 {
-        self.hardware.alarms.dropped()
-    }
-
-    /// The last lines that programs wrote to the pendant's USER screen.
-    #[must_use]
-    pub fn screen(&self) -> Vec<String> {
-        self.hardware.screen.iter().cloned().collect()
     }
 }

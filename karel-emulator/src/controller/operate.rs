@@ -281,7 +281,7 @@ impl Controller {
         Ok(())
     }
 
-    fn cycle_start(&mut self) -> Result<(), OperateError> {
+    pub(super) fn cycle_start(&mut self) -> Result<(), OperateError> {
         if let Some(reason) = self.hardware.start_obstacle() {
             return Err(OperateError::CannotStart { reason });
         }

@@ -45,6 +45,9 @@ impl Controller {
                 tracing::warn!("The variable {variable} was not kept.");
             }
         }
+        if let Some(remote) = &mut self.remote {
+            remote.forget();
+        }
         self.end_wedges();
     }
 

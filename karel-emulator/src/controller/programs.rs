@@ -45,7 +45,7 @@ pub struct ProgramView {
     pub name: String,
     /// Its language.
     pub kind: ProgramKind,
-    /// The file that it was loaded from.
+    /// The file that it was loaded from; empty for one that a program has made.
     pub file: String,
     /// Whether a task of it is alive.
     pub running: bool,
@@ -116,7 +116,25 @@ impl Controller {
                 .iter()
                 .any(|name| name.eq_ignore_ascii_case(&program.name)),
         };
-        self.loaded.iter().map(view).collect()
+        // Programs delete and make others.
+        let there: Vec<&str> = self.machine.programs().collect();
+        let known = self.loaded.iter();
+        let known = known.filter(|program| there.contains(&program.name.as_str()));
+        let made = there.iter().filter(|name| !self.is_known(name));
+        let made = made.map(|name| Loaded {
+            name: (*name).to_owned(),
+            kind: ProgramKind::Tp,
+            file: String::new(),
+        });
+        known
+            .map(view)
+            .chain(made.map(|made| view(&made)))
+            .collect()
+    }
+
+    fn is_known(&self, name: &str) -> bool {
+        let mut loaded = self.loaded.iter();
+        loaded.any(|program| program.name.eq_ignore_ascii_case(name))
     }
 
     /// Starts a program as a task.
@@ -133,9 +151,10 @@ impl Controller {
     }
 
     pub(super) fn start_task(&mut self, name: &str) -> Result<TaskId, TaskError> {
-        let mut programs = self.loaded.iter();
-        let Some(program) = programs.find(|program| program.name.eq_ignore_ascii_case(name)) else {
-            let known: Vec<&str> = self.loaded.iter().map(|p| p.name.as_str()).collect();
+        let programs = self.programs();
+        let mut found = programs.iter();
+        let Some(program) = found.find(|program| program.name.eq_ignore_ascii_case(name)) else {
+            let known: Vec<&str> = programs.iter().map(|p| p.name.as_str()).collect();
             return Err(TaskError::NoProgram {
                 name: shown(name),
                 known: known.join(", "),

@@ -183,8 +183,12 @@ impl Controller {
         match set {
             PortSet::Simulate(number) => {
                 self.hardware.ports.simulate(port, n, fit(number)?)?;
+                self.follow_signals();
             }
-            PortSet::EndSimulation => self.hardware.ports.end_simulation(port, n)?,
+            PortSet::EndSimulation => {
+                self.hardware.ports.end_simulation(port, n)?;
+                self.follow_signals();
+            }
             PortSet::Value(number) if port.is_input() => self.set_input(port, n, fit(number)?)?,
             PortSet::Value(number) => {
                 let value = fit(number)?;

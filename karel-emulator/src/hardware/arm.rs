@@ -12,7 +12,9 @@ use crate::ledger::LedgerEvent;
 use crate::motion::convert::{pendant_joints, pose_of_target};
 use crate::motion::linear::INTP_SPEED;
 use crate::motion::path::SPEED_LIMIT;
-use crate::motion::{Added, Brake, Happening, Motion, Pace, Path, Refusal, ToolSpeed, corner};
+use crate::motion::{
+    Added, Brake, Happening, Motion, OnCircle, Pace, Path, Refusal, ToolSpeed, corner,
+};
 use crate::sysvars::codes::{motype, termtype};
 
 /// MOTN-999: this controller does not simulate what the program asks for. A number of our own.
@@ -229,7 +231,8 @@ impl Hardware {
         match (motype, request.via) {
             (motype::CIRCULAR, Some(via)) => {
                 let via = TpTarget::Cartesian(via);
-                self.planner.circular(from, (&via, &target), frames, pace)
+                let via = (&via, OnCircle::OnTheWay, &target);
+                self.planner.circular(from, via, frames, pace)
             }
             (motype::CIRCULAR, None) => {
                 let text = "A MOVE with $MOTYPE = CIRCULAR needs a VIA";

@@ -4,14 +4,14 @@ use karel::{
     Interpolation, MotionId, Number, Position, Progress, Registers, Status, TaskId, TpMotion,
     TpSpeed, TpTarget, Wait,
 };
-use kinematics::PendantJoints;
+use kinematics::{ArmModel, PendantJoints};
 
 use super::{Hardware, MotionTag};
 use crate::ledger::{CommandId, LedgerEvent, MotionKind, PoseMmDeg};
 use crate::motion::convert::{joint_position, pendant_joints, pose_of_target};
 use crate::motion::linear::INTP_SPEED;
 use crate::motion::path::SPEED_LIMIT;
-use crate::motion::{Pace, Path, Refusal, ToolSpeed};
+use crate::motion::{OnCircle, Pace, Path, Refusal, ToolSpeed};
 
 /// PROG-040: another task moves the motion group.
 ///
@@ -160,7 +160,14 @@ impl Hardware {
             None => self.planner.linear(from, &target, frames, pace),
             Some(via) => {
                 let via = self.tp_end(motion, via, &from, frames)?;
-                self.planner.circular(from, (&via, &target), frames, pace)
+                let place = match motion.interpolation {
+                    Interpolation::CircleArc => OnCircle::Elsewhere,
+                    Interpolation::Joint | Interpolation::Linear | Interpolation::Circular => {
+                        OnCircle::OnTheWay
+                    }
+                };
+                self.planner
+                    .circular(from, (&via, place, &target), frames, pace)
             }
         };
         Ok(self.at_speed_of_mode(path?, &tool))
@@ -181,6 +188,11 @@ impl Hardware {
             }
         };
         let model = self.planner.model();
+        let to = if motion.least_rotation {
+            nearest_turns(model, from, to)
+        } else {
+            to
+        };
         let path = |part: f64| Path::joint_at(model, from, to, part, acceleration);
         match motion.speed {
             TpSpeed::Percent(percent) if percent > 0.0 && percent <= 100.0 => {
@@ -270,6 +282,29 @@ fn tool_speed(speed: TpSpeed) -> Result<ToolSpeed, Refusal> {
     }
 }
 
+/// The same place with J4 and J6 turned as little as possible, inside of their limits.
+///
+/// ASSUMPTION: the wrist is not turned over.
+fn nearest_turns(model: &ArmModel, from: PendantJoints, to: PendantJoints) -> PendantJoints {
+    let mut nearest = to;
+    for axis in [3, 5] {
+        let turned = (-2_i32..=2).filter_map(|turns| {
+            let mut degrees = nearest.degrees();
+            *degrees.get_mut(axis)? += 360.0 * f64::from(turns);
+            let joints = PendantJoints::try_from_degrees(degrees).ok()?;
+            model.check_limits(&joints).is_ok().then_some(joints)
+        });
+        let way = |joints: &PendantJoints| {
+            let [a, b] = [joints, &from].map(|joints| joints.degrees().get(axis).copied());
+            (a.unwrap_or(0.0) - b.unwrap_or(0.0)).abs()
+        };
+        nearest = turned
+            .min_by(|a, b| way(a).total_cmp(&way(b)))
+            .unwrap_or(nearest);
+    }
+    nearest
+}
+
 fn refused(text: String) -> Refusal {
     Refusal::new(INTP_SPEED, text)
 }
@@ -280,7 +315,7 @@ fn speed_of(motion: &TpMotion) -> (MotionKind, f64, Option<f64>) {
     let kind = match motion.interpolation {
         Interpolation::Joint => MotionKind::Joint,
         Interpolation::Linear => MotionKind::Linear,
-        Interpolation::Circular => MotionKind::Circular,
+        Interpolation::Circular | Interpolation::CircleArc => MotionKind::Circular,
     };
     match motion.speed {
         TpSpeed::MmPerSec(speed) => (kind, f64::from(speed), None),

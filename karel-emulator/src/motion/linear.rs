@@ -1,8 +1,8 @@
-//! A straight line or an arc of the tool center point, checked along the whole way before the arm moves.
+//! A way of the tool center point, a straight line or an arc, checked along the whole way before the arm moves.
 
 use karel::Status;
 use kinematics::{ArmModel, Configuration, Frames, PendantJoints, Pose};
-use planning::cartesian::{Demands, Extent, PathError, ToolError, ToolFollower, ToolPath};
+use planning::cartesian::{Demands, PathError, ToolError, ToolFollower, ToolPath};
 use planning::jerk::{MotionLimits, Progress};
 
 use super::path::{INTERPOLATION_PERIOD_S, Path, SPEED_LIMIT, along};
@@ -11,7 +11,7 @@ use super::planner::{Refusal, ik_refusal};
 /// Acceleration of the tool center point, mm/s².
 ///
 /// ASSUMPTION: this and the next two are of the size that arms of this class have; no document gives them.
-const ACCELERATION: f64 = 3000.0;
+pub(super) const ACCELERATION: f64 = 3000.0;
 /// Greatest speed of a change of orientation, deg/s.
 const ROTATION_SPEED: f64 = 180.0;
 /// Acceleration of a change of orientation, deg/s².
@@ -144,35 +144,8 @@ pub fn plan(
     travel(model, frames, from, (course, target), *pace)
 }
 
-/// The way of the tool center point from `from` on the circle through `via` to `target`, otherwise as [`plan`].
-///
-/// ASSUMPTION: the orientation changes evenly by the shortest rotation from the start to the position on the way, and
-/// from there to the end; so that position is passed in its own orientation. A controller slows down on a small circle,
-/// so that the acceleration toward the center is not more than that of the tool, and raises no alarm.
-///
-/// # Errors
-/// As [`plan`]; and positions through which no circle goes.
-pub fn plan_arc(
-    model: &ArmModel,
-    frames: &Frames,
-    from: PendantJoints,
-    (via, target): (&Pose, &LinearTarget),
-    pace: &Pace,
-) -> Result<Path, Refusal> {
-    let start = frames.tcp_in_user_frame(&model.forward(&from));
-    let course = ToolPath::circle(&start, via, &target.tcp, Extent::Arc);
-    let mut pace = *pace;
-    if let (ToolSpeed::MmPerSec(speed), Ok(course)) = (pace.speed, &course)
-        && let Some(radius) = course.radius()
-    {
-        let most = (ACCELERATION * pace.acceleration * radius.0).sqrt();
-        pace.speed = ToolSpeed::MmPerSec(speed.min(most));
-    }
-    travel(model, frames, from, (course, target), pace)
-}
-
 /// Samples the way and checks each sample.
-fn travel(
+pub(super) fn travel(
     model: &ArmModel,
     frames: &Frames,
     from: PendantJoints,

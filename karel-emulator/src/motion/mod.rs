@@ -4,6 +4,7 @@
 //! [`path`] maps the progress to six joints, [`corner`] rounds what is between two paths, [`executor`] owns the motions
 //! that run and the one that waits, and [`planner`] turns a Cartesian target into joints or into an alarm.
 
+pub mod arc;
 pub mod convert;
 pub mod corner;
 pub mod executor;
@@ -12,6 +13,7 @@ pub mod path;
 pub mod planner;
 mod tempo;
 
+pub use arc::OnCircle;
 pub use corner::Blend;
 pub use executor::{Added, Brake, Executor, Happening, Motion, MotionEnd, Outcome};
 pub use linear::{LinearTarget, Pace, ToolSpeed};

@@ -3,6 +3,7 @@
 use karel::{JointPosition, Position, Status, TpTarget, XyzwprExt};
 use kinematics::{ArmModel, Frames, IkError, Obstacle, PendantJoints, Pose, PoseError, Seed};
 
+use super::arc::{self, OnCircle};
 use super::convert::{
     components, configuration, frames, karel_config, pendant_joints, pose, to_f32,
 };
@@ -111,21 +112,22 @@ impl Planner {
         linear::plan(&self.model, &frames, from, &target, pace)
     }
 
-    /// The way of the tool from `from` on the circle through `via` to `target`.
+    /// The way of the tool from `from` to `target` on the circle through `via`, which is on the way or elsewhere.
     ///
     /// # Errors
-    /// As [`linear::plan_arc`]; a position or a frame that is no pose.
+    /// As [`arc::plan_arc`]; a position or a frame that is no pose.
     pub fn circular(
         &self,
         from: PendantJoints,
-        (via, target): (&TpTarget, &TpTarget),
+        (via, place, target): (&TpTarget, OnCircle, &TpTarget),
         (user_frame, tool): (&Position, &Position),
         (pace, wrist_joint): (&Pace, bool),
     ) -> Result<Path, Refusal> {
         let frames = checked_frames(user_frame, tool)?;
         let via = self.way_point(via, &frames)?;
         let target = self.end_point(target, &frames, wrist_joint)?;
-        linear::plan_arc(&self.model, &frames, from, (&via.tcp, &target), pace)
+        let via = (&via.tcp, place);
+        arc::plan_arc(&self.model, &frames, from, (via, &target), pace)
     }
 
     /// As [`Self::way_point`], with the joints there if the wrist goes to them.

@@ -19,6 +19,10 @@ const PORT: Kind = Kind::Integer {
 };
 const NAME: Kind = Kind::Text { max: 32 };
 
+/// Instructions with words of their own.
+const MACROS: i32 = 40;
+const MACRO_NAME: Kind = Kind::Text { max: 36 };
+
 /// Words of `UALM[1]` and so on.
 const USER_ALARMS: i32 = 10;
 
@@ -151,6 +155,12 @@ impl Table {
         for n in 1..=USER_ALARMS {
             let words = Value::String(Text::from(""));
             self.stored(format!("$UALRM_MSG[{n}]"), NAME, words);
+        }
+        for n in 1..=MACROS {
+            for name in ["$MACRO_NAME", "$PROG_NAME"] {
+                let words = Value::String(Text::from(""));
+                self.stored(format!("$MACROTABLE[{n}].{name}"), MACRO_NAME, words);
+            }
         }
         self.integer("$SCAN_TIME", Kind::Integer { min: 1, max: 4096 }, 32);
         self.live("$MOR.$SAFETY_STAT", ANY, Live::SafetyStatus);

@@ -12,9 +12,12 @@ use crate::{
         cell::{Cell, FileFlag},
         dictionaries::parse,
         fault::Fault,
+        find_variable,
     },
     status::Status,
-    value::Text,
+    syspath::SysPath,
+    text_writer::MAX_WIDTH,
+    value::{Text, Value},
 };
 
 #[rustfmt::skip]
@@ -23,6 +26,7 @@ pub(super) const TABLE: &[Builtin] = &[
     Builtin { name: "CHECK_DICT", params: &[Param::Text, Param::Integer, Param::OutInteger], required: 3, returns: Returns::Nothing, code: check },
     Builtin { name: "READ_DICT", params: &[Param::Text, Param::Integer, Param::TextArray, Param::Integer, Param::OutInteger, Param::OutInteger], required: 6, returns: Returns::Nothing, code: read },
     Builtin { name: "REMOVE_DICT", params: &[Param::Text, Param::Text, Param::OutInteger], required: 3, returns: Returns::Nothing, code: remove },
+    Builtin { name: "WRITE_DICT_V", params: &[Param::File, Param::Text, Param::Integer, Param::TextArray, Param::OutInteger], required: 5, returns: Returns::Nothing, code: write_values },
     Builtin { name: "WRITE_DICT", params: &[Param::File, Param::Text, Param::Integer, Param::OutInteger], required: 4, returns: Returns::Nothing, code: write },
 ];
 
@@ -102,10 +106,29 @@ fn read(context: &mut Context<'_>) -> Result<Outcome, Fault> {
 
 /// `WRITE_DICT(file, dictionary, element, status)`: also to a window.
 fn write(context: &mut Context<'_>) -> Result<Outcome, Fault> {
-    let status = match element(context, 1) {
-        Ok(lines) => {
-            let lines: Vec<&[u8]> = lines.iter().map(Text::as_bytes).collect();
-            let bytes = lines.join(crate::text_writer::LINE_END);
+    let text = element(context, 1).map(|lines| joined(&lines));
+    put(context, text, 3)
+}
+
+/// `WRITE_DICT_V(file, dictionary, element, names, status)`: each `%` of the element shows the variable whose name is
+/// next, `[PROGRAM]NAME` or a name of the program that runs.
+fn write_values(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    let text = element(context, 1).and_then(|lines| with_values(context, &joined(&lines)));
+    put(context, text, 4)
+}
+
+fn joined(lines: &[Text]) -> Vec<u8> {
+    let lines: Vec<&[u8]> = lines.iter().map(Text::as_bytes).collect();
+    lines.join(crate::text_writer::LINE_END)
+}
+
+fn put(
+    context: &mut Context<'_>,
+    text: Result<Vec<u8>, Status>,
+    status_at: usize,
+) -> Result<Outcome, Fault> {
+    let status = match text {
+        Ok(bytes) => {
             let file = context.memory.file(context.variable(0));
             match file.file {
                 None if file.has(FileFlag::Window) => {
@@ -121,6 +144,69 @@ fn write(context: &mut Context<'_>) -> Result<Outcome, Fault> {
         }
         Err(status) => status,
     };
-    context.put_status(3, status);
+    context.put_status(status_at, status);
     Ok(Outcome::Done)
+}
+
+/// The bytes of an element with the values of variables in it.
+///
+/// ASSUMPTION: `%`, a width and decimals that may be left out, `-` for the left, and a letter, as in C; `%%` is one.
+/// More of them than names is status 12310, a variable without a value `********`.
+fn with_values(context: &Context<'_>, text: &[u8]) -> Result<Vec<u8>, Status> {
+    let names = context.texts(3);
+    let mut names = names.into_iter();
+    let mut shown = Vec::new();
+    let mut rest = text;
+    while let Some(at) = rest.iter().position(|byte| *byte == b'%') {
+        let (before, found) = rest.split_at_checked(at).unwrap_or((rest, &[]));
+        shown.extend(before);
+        let format = found.get(1..).unwrap_or_default();
+        if let Some(after) = format.strip_prefix(b"%") {
+            shown.push(b'%');
+            rest = after;
+            continue;
+        }
+        let parameters = |byte: &&u8| byte.is_ascii_digit() || matches!(byte, b'-' | b'.' | b'+');
+        let length = format.iter().take_while(parameters).count();
+        let (parameters, after) = format.split_at_checked(length).unwrap_or((format, &[]));
+        let (letter, after) = after.split_first().ok_or(Status::INTP_ILLEGAL_DATA)?;
+        if !letter.is_ascii_alphabetic() {
+            return Err(Status::INTP_ILLEGAL_DATA);
+        }
+        let name = names.next().flatten().ok_or(Status::INTP_SUBSCRIPT)?;
+        shown.extend(value(context, &name, &String::from_utf8_lossy(parameters))?);
+        rest = after;
+    }
+    shown.extend(rest);
+    Ok(shown)
+}
+
+/// A variable as text, in the width that `-8.2` says.
+fn value(context: &Context<'_>, name: &str, format: &str) -> Result<Vec<u8>, Status> {
+    let (program, variable) = match name.trim().strip_prefix('[') {
+        Some(rest) => rest.split_once(']').ok_or(Status::VARS_UNKNOWN)?,
+        None => (context.program.name(), name.trim()),
+    };
+    let path = SysPath::parse(variable).map_err(|_| Status::VARS_UNKNOWN)?;
+    let found = find_variable(context.names(), program.trim(), &path)?;
+    let (width, decimals) = format.split_once('.').unwrap_or((format, ""));
+    let left = width.starts_with('-');
+    let width = width.trim_start_matches(['-', '+']).parse::<usize>();
+    let width = width.unwrap_or(0).min(MAX_WIDTH);
+    let decimals = decimals.parse::<usize>().ok().map(|n| n.min(MAX_WIDTH));
+    let text = match (context.memory.value(found.at, &found.ty), decimals) {
+        (None, _) => "*".repeat(8).into_bytes(),
+        (Some(Value::Real(value)), Some(decimals)) => format!("{value:.decimals$}").into_bytes(),
+        (Some(Value::Real(value)), None) => format!("{value:.6}").into_bytes(),
+        (Some(Value::Integer(value)), _) => value.to_string().into_bytes(),
+        (Some(Value::Boolean(value)), _) => value.to_string().to_ascii_uppercase().into_bytes(),
+        (Some(Value::String(text)), _) => text.as_bytes().to_vec(),
+        (Some(_), _) => return Err(Status::INTP_TYPE),
+    };
+    let blanks = vec![b' '; width.saturating_sub(text.len())];
+    Ok(if left {
+        [text, blanks].concat()
+    } else {
+        [blanks, text].concat()
+    })
 }

@@ -1,5 +1,8 @@
 //! Built-in routines: one table of names, signatures and code.
 
+pub(crate) mod absent;
+mod clear;
+mod context;
 mod convert;
 mod dictionary;
 mod file;
@@ -26,27 +29,24 @@ mod variable_list;
 use std::time::Duration;
 
 use crate::{
-    host::{FileOperation, Host, InputEnd, OpenMode, Progress, TaskId, Wait},
+    host::{Host, TaskId, Wait},
     ir::BuiltinSite,
     machine::{
-        Loaded, Names, Tasks,
-        cell::{Address, Cell, Memory},
+        Loaded, Tasks,
+        cell::{Cell, Memory},
         created::Created,
         dictionaries::Dictionaries,
         fault::Fault,
         paths::Paths,
         semaphore::Semaphores,
-        task::{Argument, Pending},
+        task::{Argument, Caller, Pending},
         teaching::Teaching,
     },
     port::{Comments, PortSetup},
-    position::{JointPosition, XyzwprExt},
     program::Program,
     registers::Registers,
     run::Limits,
-    status::Status,
-    types::{PositionKind, Type},
-    value::Text,
+    types::PositionKind,
 };
 
 /// A row of the table.
@@ -154,6 +154,7 @@ pub(crate) fn names() -> Vec<&'static str> {
 
 fn tables() -> impl Iterator<Item = &'static Builtin> {
     let tables = [
+        clear::TABLE,
         convert::TABLE,
         dictionary::TABLE,
         file::TABLE,
@@ -180,28 +181,6 @@ fn tables() -> impl Iterator<Item = &'static Builtin> {
     tables.into_iter().flatten()
 }
 
-/// Built-ins that exist on a controller and not here: they deserve a better message than a typing
-/// error.
-const PLANNED: &[&str] = &[
-    "ACT_TBL",
-    "DELETE_TPE",
-    "DISCTRL_ALPH",
-    "DISCTRL_FORM",
-    "DISCTRL_LIST",
-    "DISCTRL_PLMN",
-    "DISCTRL_SBMN",
-    "DISCTRL_TBL",
-    "INIT_TBL",
-    "READ_DICT_V",
-    "SEND_DATAPC",
-    "VOL_SPACE",
-    "WRITE_DICT_V",
-];
-
-pub(crate) fn is_planned(name: &str) -> bool {
-    PLANNED.contains(&name)
-}
-
 /// What the code of a built-in can reach.
 pub(crate) struct Context<'a> {
     pub(crate) task: TaskId,
@@ -222,6 +201,8 @@ pub(crate) struct Context<'a> {
     pub(crate) port_setup: &'a mut PortSetup,
     pub(crate) teaching: &'a mut Teaching,
     pub(crate) running: Running<'a>,
+    /// Who called the program or routine that runs.
+    pub(crate) callers: &'a [Caller],
     pub(crate) limits: &'a Limits,
     pub(crate) host: &'a mut dyn Host,
     pub(crate) memory: Memory<'a>,
@@ -236,160 +217,6 @@ pub(crate) struct Running<'a> {
     pub(crate) name: &'a str,
     /// Source line of the statement.
     pub(crate) line: u32,
-}
-
-impl Context<'_> {
-    /// What finds a variable by its name.
-    fn names(&self) -> Names<'_> {
-        Names {
-            programs: self.programs,
-            paths: self.paths,
-            created: self.created,
-            globals: self.memory.globals,
-        }
-    }
-
-    /// Says why something that is correct has another effect than many expect.
-    fn explain(&mut self, why: &dyn Fn() -> String) {
-        let place = (self.program.name(), self.running.line);
-        self.host.explain(self.task, place, why);
-    }
-
-    fn arg(&self, number: usize) -> &Cell {
-        let index = number + usize::from(self.site.result_in_memory);
-        self.operands
-            .get(index)
-            .expect("the checker counts arguments")
-    }
-
-    fn has_arg(&self, number: usize) -> bool {
-        number < self.site.types.len()
-    }
-
-    fn ty(&self, number: usize) -> &Type {
-        self.site
-            .types
-            .get(number)
-            .expect("the checker counts arguments")
-    }
-
-    fn integer(&self, number: usize) -> i32 {
-        self.arg(number).expect_integer()
-    }
-
-    fn real(&self, number: usize) -> f32 {
-        self.arg(number).expect_real()
-    }
-
-    fn text(&self, number: usize) -> Text {
-        self.arg(number).expect_text()
-    }
-
-    fn boolean(&self, number: usize) -> bool {
-        *self.arg(number) == Cell::Boolean(true)
-    }
-
-    /// The value of an argument that is read and written.
-    fn in_out(&self, number: usize) -> &Cell {
-        self.memory.get(self.variable(number))
-    }
-
-    /// The address of a variable, `None` if a constant stands in its place.
-    fn address(&self, number: usize) -> Option<Address> {
-        let arg = self.arg(number);
-        (*arg != Cell::Uninit).then(|| arg.expect_address())
-    }
-
-    /// The address of a variable that the checker insists on.
-    fn variable(&self, number: usize) -> Address {
-        self.address(number)
-            .expect("the checker insists on a variable")
-    }
-
-    /// Where a result of several cells goes.
-    fn result(&self) -> Address {
-        self.operands
-            .first()
-            .expect("lowering pushes the result's address")
-            .expect_address()
-    }
-
-    fn joints(&self, number: usize) -> Result<JointPosition, Fault> {
-        let Type::Joints(kind) = self.ty(number) else {
-            unreachable!("the checker insists on a JOINTPOS")
-        };
-        self.memory.joints(self.variable(number), *kind)
-    }
-
-    fn position(&self, number: usize, kind: PositionKind) -> Result<XyzwprExt, Fault> {
-        self.memory.position(self.variable(number), kind)
-    }
-
-    fn put(&mut self, number: usize, value: Cell) {
-        if let Some(address) = self.address(number) {
-            self.memory.set(address, value);
-        }
-    }
-
-    fn put_status(&mut self, number: usize, status: Status) {
-        self.put(number, Cell::Integer(status.0));
-    }
-
-    /// Stores texts into an array of strings from its first element on, as many as fit, cut to the
-    /// length of its strings. How many those were.
-    fn put_texts(&mut self, number: usize, texts: impl Iterator<Item = Text>) -> i32 {
-        let at = self.variable(number);
-        let room = variable::array_length(self.ty(number), at.extra);
-        let mut longest = crate::types::split_text_array(at.extra).1;
-        if let Type::Array(array) = self.ty(number) {
-            longest = array.element.length().unwrap_or(longest);
-        }
-        let mut count = 0;
-        for (mut text, offset) in texts.zip(0..room) {
-            text.truncate(longest as usize);
-            self.memory.set(at.plus(offset), Cell::Text(text));
-            count += 1;
-        }
-        count
-    }
-
-    /// The bytes of a file that can be read at once.
-    fn read_file(&mut self, name: &str) -> Result<Vec<u8>, Status> {
-        let file = self.host.open_file(self.task, OpenMode::ReadOnly, name)?;
-        let input = self.host.input(file);
-        let bytes = match input.end {
-            InputEnd::Closed(_) => Ok(input.bytes.to_vec()),
-            // A connection or a pipe.
-            InputEnd::Open => Err(Status::FILE_ILLEGAL_PARAMETER),
-        };
-        let _closed = self.host.close_file(file);
-        bytes
-    }
-
-    /// Replaces a file.
-    fn write_file(&mut self, name: &str, bytes: &[u8]) -> Result<(), Status> {
-        let _none = self
-            .host
-            .file_operation(self.task, FileOperation::Delete(name));
-        let file = self.host.open_file(self.task, OpenMode::ReadWrite, name)?;
-        let written = self.host.output(file, bytes);
-        let closed = self.host.close_file(file);
-        match written {
-            Progress::Ready(status) if !status.is_ok() => Err(status),
-            Progress::Ready(_) if !closed.is_ok() => Err(closed),
-            Progress::Ready(_) => Ok(()),
-            Progress::Pending(_) => Err(Status::INTP_WRITE_FAILED),
-        }
-    }
-
-    /// Stores a string, cut to the variable's length.
-    fn put_text(&mut self, number: usize, mut text: Text) {
-        if let Some(address) = self.address(number) {
-            let length = self.ty(number).length().unwrap_or(address.extra);
-            text.truncate(length as usize);
-            self.memory.set(address, Cell::Text(text));
-        }
-    }
 }
 
 #[cfg(test)]
@@ -409,10 +236,6 @@ mod tests {
             .filter(|name| name.starts_with(char::is_alphabetic))
         {
             assert_eq!(name, name.to_ascii_uppercase());
-            assert!(
-                !is_planned(name),
-                "{name} is there and announced as missing"
-            );
         }
     }
 }

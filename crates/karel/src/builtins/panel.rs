@@ -39,6 +39,7 @@ pub(super) const TABLE: &[Builtin] = &[
     Builtin { name: "DET_WINDOW", params: &[Param::Text, Param::Text, Param::OutInteger], required: 3, returns: Returns::Nothing, code: |context| nothing(context, 2) },
     Builtin { name: "FORCE_SPMENU", params: &[Param::Integer, Param::Integer, Param::Integer], required: 3, returns: Returns::Nothing, code: |_| Ok(Outcome::Done) },
     Builtin { name: "POST_ERR", params: &[Param::Integer, Param::Text, Param::Integer, Param::Integer], required: 4, returns: Returns::Nothing, code: post_err },
+    Builtin { name: "POST_ERR_L", params: &[Param::Integer, Param::Text, Param::Integer, Param::Integer], required: 4, returns: Returns::Nothing, code: post_err },
     Builtin { name: "CNC_DYN_DISB", params: SHOWN_NO_MORE, required: 3, returns: Returns::Nothing, code: |context| nothing(context, 2) },
     Builtin { name: "CNC_DYN_DISE", params: SHOWN_NO_MORE, required: 3, returns: Returns::Nothing, code: |context| nothing(context, 2) },
     Builtin { name: "CNC_DYN_DISI", params: SHOWN_NO_MORE, required: 3, returns: Returns::Nothing, code: |context| nothing(context, 2) },

@@ -294,7 +294,11 @@ fn prog_list(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     let skip = usize::try_from(context.integer(2)).unwrap_or(0);
     let start = pattern.trim_end_matches('*');
     let exact = start.len() == pattern.len();
-    let names = context.programs.iter().map(Loaded::name);
+    let there = context
+        .programs
+        .iter()
+        .filter(|loaded| !loaded.is_deleted());
+    let names = there.map(Loaded::name);
     let fits = |name: &&str| name.starts_with(start) && (!exact || *name == start);
     let texts = names.filter(fits).skip(skip).map(Text::from);
     let count = context.put_texts(4, texts);

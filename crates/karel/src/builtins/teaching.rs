@@ -54,7 +54,7 @@ pub(super) const TABLE: &[Builtin] = &[
 const MOST_POSITIONS: i32 = 1500;
 
 /// A statement that changes programs ends its slice, and a loop around it must not stop the time.
-const PAUSE: Duration = Duration::from_millis(1);
+pub(super) const PAUSE: Duration = Duration::from_millis(1);
 
 /// Longest comment of a position, and of a program.
 const COMMENT: usize = 16;
@@ -315,7 +315,9 @@ fn make(context: &mut Context<'_>, new: Program) -> Result<(), Status> {
     if program(context, new.name()).is_some() {
         return Err(Status::MEMO_EXISTS);
     }
-    if context.programs.len() + context.teaching.made.len() >= context.limits.programs {
+    let programs = context.programs.iter();
+    let programs = programs.filter(|loaded| !loaded.is_deleted()).count();
+    if programs + context.teaching.made.len() >= context.limits.programs {
         return Err(Status::INTP_LIMIT);
     }
     context.teaching.made.push(new);

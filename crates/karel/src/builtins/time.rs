@@ -15,6 +15,8 @@ use crate::{
 pub(super) const TABLE: &[Builtin] = &[
     Builtin { name: "CNV_STR_TIME", params: &[Param::Text, Param::OutInteger], required: 2, returns: Returns::Nothing, code: str_time },
     Builtin { name: "CNV_TIME_STR", params: &[Param::Integer, Param::OutText], required: 2, returns: Returns::Nothing, code: time_str },
+    Builtin { name: "GET_USEC_SUB", params: &[Param::Integer, Param::Integer], required: 2, returns: Returns::Integer, code: get_usec_sub },
+    Builtin { name: "GET_USEC_TIM", params: &[], required: 0, returns: Returns::Integer, code: get_usec_tim },
     Builtin { name: "GET_TIME", params: &[Param::OutInteger], required: 1, returns: Returns::Nothing, code: get_time },
 ];
 
@@ -36,6 +38,21 @@ fn get_time(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     let packed = date | (hours << 11) | (minutes << 5) | (seconds % 60 / 2);
     context.put(0, Cell::Integer(i32::try_from(packed).unwrap_or(i32::MAX)));
     Ok(Outcome::Done)
+}
+
+/// Microseconds since power-on.
+///
+/// ASSUMPTION: in 32 bits, which begin again after 71 minutes.
+fn get_usec_tim(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    let micros = context.host.now().as_micros() & u128::from(u32::MAX);
+    let micros = u32::try_from(micros).unwrap_or(0).cast_signed();
+    Ok(Outcome::Value(Cell::Integer(micros)))
+}
+
+/// `GET_USEC_SUB(us2, us1)`: what went by from `us1` to `us2`, also beyond the end of the 32 bits.
+fn get_usec_sub(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    let passed = context.integer(0).wrapping_sub(context.integer(1));
+    Ok(Outcome::Value(Cell::Integer(passed)))
 }
 
 /// A packed time as `DD-MMM-YY HH:MM`.

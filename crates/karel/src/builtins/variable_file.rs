@@ -1,4 +1,4 @@
-//! Variables of programs as files: `SAVE`, `LOAD`, `CLEAR`.
+//! Variables of programs as files: `SAVE`, `LOAD`.
 //!
 //! ASSUMPTION: a `.vr` file of a controller is not known. Ours is text: a line for each scalar or
 //! position, `[PROGRAM]PATH = value`; `*` for none; `[PROGRAM]PATH nodes 3` before those of a PATH.
@@ -16,7 +16,7 @@ use crate::{
         Names,
         fault::Fault,
         find_variable,
-        inspect::{address, parts_of},
+        inspect::{address, parts_of, paths_in},
         locate_variable,
     },
     position::{Config, JointPosition, Xyzwpr, XyzwprExt},
@@ -28,13 +28,13 @@ use crate::{
 
 #[rustfmt::skip]
 pub(super) const TABLE: &[Builtin] = &[
-    Builtin { name: "CLEAR", params: &[Param::Text, Param::OutInteger], required: 2, returns: Returns::Nothing, code: clear },
     Builtin { name: "LOAD", params: &[Param::Text, Param::Integer, Param::OutInteger], required: 3, returns: Returns::Nothing, code: load },
+    Builtin { name: "SAVE_DRAM", params: &[Param::Text, Param::OutInteger], required: 2, returns: Returns::Nothing, code: save_dram },
     Builtin { name: "SAVE", params: &[Param::Text, Param::Text, Param::OutInteger], required: 3, returns: Returns::Nothing, code: save },
 ];
 
 /// Most lines of a file.
-const MAX_PARTS: usize = 20_000;
+pub(super) const MAX_PARTS: usize = 20_000;
 
 /// `SAVE(program, file, status)`.
 fn save(context: &mut Context<'_>) -> Result<Outcome, Fault> {
@@ -54,10 +54,9 @@ fn saved(context: &mut Context<'_>) -> Result<(), Status> {
     let created = context.created.of(loaded.name());
     let created = created.map(|(name, _, ty)| (name, ty));
     for (name, ty) in loaded.variables().chain(created) {
-        if let Type::Path(_) = ty
-            && let Some(nodes) = node_count(names, program, name)
-        {
-            let _ = write!(text, "[{program}]{name} nodes {nodes}\r\n");
+        for (path, id) in paths_of(names, program, name, ty) {
+            let nodes = names.paths.len(id);
+            let _ = write!(text, "[{program}]{path} nodes {nodes}\r\n");
         }
     }
     let parts = parts_of(names, loaded, MAX_PARTS);
@@ -73,10 +72,26 @@ fn saved(context: &mut Context<'_>) -> Result<(), Status> {
     context.write_file(&file, Text::from(text.as_str()).as_bytes())
 }
 
-fn node_count(names: Names<'_>, program: &str, name: &str) -> Option<usize> {
-    let found = locate_variable(names, program, &SysPath::from_name(name)).ok()?;
-    let path = names.globals.get(found.at.global_index())?.expect_path();
-    Some(names.paths.len(path))
+/// The PATHs of a variable by name, and their numbers.
+pub(super) fn paths_of(
+    names: Names<'_>,
+    program: &str,
+    name: &str,
+    ty: &Type,
+) -> Vec<(String, u32)> {
+    if !ty.holds_path() {
+        return Vec::new();
+    }
+    let Ok(found) = locate_variable(names, program, &SysPath::from_name(name)) else {
+        return Vec::new();
+    };
+    let first = u32::try_from(found.at.global_index()).unwrap_or(u32::MAX);
+    let paths = paths_in(name, first, &found.ty).into_iter();
+    let paths = paths.filter_map(|(name, cell, _)| {
+        let path = names.globals.get(cell as usize)?.path()?;
+        Some((name, path))
+    });
+    paths.collect()
 }
 
 /// The file's name, with `.VR` if it has no extension.
@@ -90,7 +105,7 @@ fn with_extension(file: &str) -> String {
     }
 }
 
-fn extension(file: &str) -> String {
+pub(super) fn extension(file: &str) -> String {
     let extension = file.trim().rsplit_once('.').map(|(_, extension)| extension);
     extension.unwrap_or_default().to_ascii_uppercase()
 }
@@ -114,19 +129,31 @@ fn load(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     Ok(Outcome::Done)
 }
 
-fn program_of(file: &str) -> String {
+pub(super) fn program_of(file: &str) -> String {
     let name = file.trim().rsplit([':', '\\', '/']).next().unwrap_or(file);
     let name = name.split('.').next().unwrap_or(name);
     name.to_ascii_uppercase()
 }
 
-fn is_loaded(context: &Context<'_>, file: &str) -> bool {
+pub(super) fn is_loaded(context: &Context<'_>, file: &str) -> bool {
     let name = program_of(file);
     context.programs.iter().any(|loaded| loaded.name() == name)
 }
 
 fn load_variables(context: &mut Context<'_>, file: &str) -> Result<(), Status> {
     let bytes = context.read_file(file)?;
+    if bytes
+        .iter()
+        .any(|byte| byte.is_ascii_control() && !byte.is_ascii_whitespace())
+    {
+        context.explain(&|| {
+            format!(
+                "LOAD of {file:?} answers INTP-333: a controller's own .vr file cannot be read, \
+                 only the text that SAVE writes here"
+            )
+        });
+        return Err(Status::INTP_ILLEGAL_DATA);
+    }
     let text = Text::new(bytes).to_string_lossless();
     let mut first = Ok(());
     for line in text.lines() {
@@ -175,7 +202,7 @@ fn set_nodes(
         .map_err(|_| Status::INTP_ILLEGAL_DATA)?;
     let path = SysPath::parse(name).map_err(|_| Status::INTP_ILLEGAL_DATA)?;
     let found = locate_variable(context.names(), program, &path)?;
-    if !matches!(found.ty, Type::Path(_)) || !variable_list::is_name(&path) {
+    if !matches!(found.ty, Type::Path(_)) {
         return Err(Status::VARS_TYPE);
     }
     let id = context.memory.get(found.at).expect_path();
@@ -188,41 +215,18 @@ fn set_nodes(
     Ok(())
 }
 
-/// `CLEAR('PROGRAM.VR', status)`: its variables lose their values.
+/// `SAVE_DRAM(program, status)`.
 ///
-/// ASSUMPTION: programs stay loaded: anything but `.vr` is status 7004.
-fn clear(context: &mut Context<'_>) -> Result<Outcome, Fault> {
-    let file = context.text(0).to_string_lossless();
-    let status = if !is_loaded(context, &file) {
-        Status::MEMO_NO_PROGRAM
-    } else if extension(&file) == "VR" {
-        clear_variables(context, &program_of(&file));
+/// ASSUMPTION: what is not in CMOS loses its value without power all the same.
+fn save_dram(context: &mut Context<'_>) -> Result<Outcome, Fault> {
+    let program = context.text(0).to_string_lossless();
+    let status = if is_loaded(context, &program) {
         Status::OK
     } else {
-        Status::MEMO_IN_USE
+        Status::MEMO_NO_PROGRAM
     };
     context.put_status(1, status);
     Ok(Outcome::Done)
-}
-
-fn clear_variables(context: &mut Context<'_>, program: &str) {
-    let Some(loaded) = context.programs.iter().find(|of| of.name() == program) else {
-        return;
-    };
-    let parts = parts_of(context.names(), loaded, MAX_PARTS);
-    for (_, cell, ty) in parts {
-        if ty != Type::File {
-            context.memory.clear(address(cell, &ty), &ty);
-        }
-    }
-    for (name, ty) in loaded.variables() {
-        if let Type::Path(_) = ty
-            && let Ok(found) = locate_variable(context.names(), program, &SysPath::from_name(name))
-        {
-            let id = context.memory.get(found.at).expect_path();
-            context.paths.clear(id);
-        }
-    }
 }
 
 fn written(value: &Value) -> String {

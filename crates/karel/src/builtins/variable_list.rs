@@ -11,7 +11,7 @@ use super::{Builtin, Context, Outcome, Param, Returns};
 use crate::{
     machine::{cell::Cell, fault::Fault, locate_variable},
     status::Status,
-    syspath::{Step, SysPath},
+    syspath::SysPath,
     types::{ArrayType, PathType, PositionKind, Small, TextLength, Type},
     value::Text,
 };
@@ -109,7 +109,7 @@ fn created(context: &mut Context<'_>) -> Result<(), Status> {
             depth,
         }));
     }
-    if ty.holds_file() && !matches!(ty, Type::Path(_)) {
+    if !ty.is_copied() && !matches!(ty, Type::Path(_)) {
         return Err(Status::VARS_TYPE);
     }
     let name = (program.as_str(), name.as_str());
@@ -266,9 +266,4 @@ fn list(context: &mut Context<'_>) -> Result<Outcome, Fault> {
     };
     context.put_status(7, status);
     Ok(Outcome::Done)
-}
-
-/// Whether a path is only a name.
-pub(super) fn is_name(path: &SysPath) -> bool {
-    matches!(path.steps(), [Step::Name(_)])
 }

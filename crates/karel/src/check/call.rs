@@ -3,7 +3,10 @@
 use super::{Checker, Home, Signature};
 use crate::{
     ast::{self, Name},
-    builtins::{self, Builtin, Returns},
+    builtins::{
+        self, Builtin, Returns,
+        absent::{self, Absent},
+    },
     ir::{self, External},
     span::Span,
     typed::{Arg, BuiltinCall, Call, Callee, Expr, ExprKind, StmtKind},
@@ -12,7 +15,9 @@ use crate::{
 
 impl Checker<'_> {
     pub(super) fn is_routine(&self, name: &str) -> bool {
-        self.routines.contains_key(name) || builtins::find(name).is_some()
+        self.routines.contains_key(name)
+            || builtins::find(name).is_some()
+            || absent::find(name).is_some()
     }
 
     /// A call as a statement.
@@ -25,13 +30,14 @@ impl Checker<'_> {
             return self.user_call(&signature, name, args).map(StmtKind::Call);
         }
         if let Some(builtin) = builtins::find(&name.text) {
-            if !matches!(builtin.returns, Returns::Nothing) {
-                let message = format!("`{}` is a function, its result must be used", name.text);
-                self.reports.error(name.span, message);
-            }
+            self.refuse_function(builtin, name);
             return self
                 .builtin_call(builtin, name, args)
                 .map(StmtKind::Builtin);
+        }
+        if let Some(absent) = absent::find(&name.text) {
+            self.refuse_function(&absent.builtin, name);
+            return Some(StmtKind::Builtin(self.absent_call(absent, name, args)));
         }
         self.unknown_routine(name);
         None
@@ -59,8 +65,48 @@ impl Checker<'_> {
                 ty,
             });
         }
+        if let Some(absent) = absent::find(&name.text) {
+            let call = self.absent_call(absent, name, args);
+            let Some(ty) = call.result.clone() else {
+                return self.no_result(name);
+            };
+            return Some(Expr {
+                kind: ExprKind::Builtin(call),
+                ty,
+            });
+        }
         self.unknown_routine(name);
         None
+    }
+
+    fn refuse_function(&mut self, builtin: &Builtin, name: &Name) {
+        if !matches!(builtin.returns, Returns::Nothing) {
+            let message = format!("`{}` is a function, its result must be used", name.text);
+            self.reports.error(name.span, message);
+        }
+    }
+
+    /// A built-in that this controller does not have: its arguments are only looked at.
+    fn absent_call(
+        &mut self,
+        absent: &'static Absent,
+        name: &Name,
+        args: &[ast::Expr],
+    ) -> BuiltinCall {
+        for arg in args {
+            let _any = self.expr(arg);
+        }
+        let message = format!(
+            "{} needs {}: calling it will be INTP-320",
+            name.text, absent.needs
+        );
+        self.reports.warning(name.span, message);
+        BuiltinCall {
+            builtin: &absent.builtin,
+            args: Vec::new(),
+            types: Vec::new(),
+            result: result_type(&absent.builtin, &[]),
+        }
     }
 
     fn no_result(&mut self, name: &Name) -> Option<Expr> {
@@ -77,9 +123,10 @@ impl Checker<'_> {
         } else if name.text == "BYNAME" {
             let message = "BYNAME stands only as an argument of a routine of a program";
             self.reports.error(name.span, message);
-        } else if builtins::is_planned(&name.text) {
-            let message = format!("the built-in {} is not supported yet", name.text);
-            self.reports.error(name.span, message);
+        } else if name.text == "DELETE_TPE" {
+            let message = format!("there is no routine `{}`", name.text);
+            let help = "CLEAR('NAME.TP', status) deletes a TP program";
+            self.reports.error_with_help(name.span, message, help);
         } else {
             let message = format!("there is no routine `{}`", name.text);
             self.report_unknown(name, &message, &builtins::names());
@@ -204,8 +251,8 @@ impl Checker<'_> {
 
     fn copied_arg(&mut self, value: Expr, formal: &Type, span: Span) -> Arg {
         let value = self.convert(value, formal, span);
-        if value.ty.holds_file() {
-            let what = if matches!(value.ty, Type::Path(_)) {
+        if !value.ty.is_copied() {
+            let what = if value.ty.holds_path() {
                 "a PATH can only be passed as a variable"
             } else {
                 "a FILE can only be passed as a variable"

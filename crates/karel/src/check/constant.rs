@@ -111,6 +111,10 @@ impl Checker<'_> {
                     .error(expr.span, "this INTEGER does not fit into 32 bits");
                 None
             }
+            Err(Fold::TooLong(bytes)) => {
+                self.too_long(bytes, expr.span);
+                None
+            }
             Err(Fold::Reported) => None,
         }
     }
@@ -119,6 +123,9 @@ impl Checker<'_> {
         match &expr.kind {
             ExprKind::Integer(value) => integer(*value),
             ExprKind::Real(value) => Ok(Constant::Real(*value)),
+            ExprKind::Text(bytes) if bytes.len() > self.generation.longest_string() => {
+                Err(Fold::TooLong(bytes.len()))
+            }
             ExprKind::Text(bytes) => Ok(Constant::Text(Text::new(bytes.clone()))),
             ExprKind::Paren(inner) => self.fold(inner),
             ExprKind::Path(path) if path.steps.is_empty() => {
@@ -176,6 +183,8 @@ impl Checker<'_> {
 enum Fold {
     NotConstant,
     OutOfRange,
+    /// A string of so many bytes.
+    TooLong(usize),
     Reported,
 }
 

@@ -5,7 +5,7 @@ use crate::{
     ast::{Decl, Memory, Name, Routine, RoutineBody, Storage},
     ir::SharedVariable,
     typed::Root,
-    types::{MAX_CELLS, Type},
+    types::{MAX_CELLS, MAX_PATHS, Type},
 };
 
 impl Checker<'_> {
@@ -38,11 +38,6 @@ impl Checker<'_> {
                             self.declare_shared(name, home, &ty, global);
                         }
                         continue;
-                    }
-                    // ASSUMPTION: nothing frees the nodes of a PATH when a routine returns.
-                    if !global && matches!(ty, Type::Path(_)) {
-                        let message = "a PATH must be a variable of the program, not of a routine";
-                        self.reports.error(written.span, message);
                     }
                     let memory = self.memory(*storage, global);
                     for name in names {
@@ -79,12 +74,17 @@ impl Checker<'_> {
         } else {
             &mut self.locals
         };
+        let before = scope.paths.len();
         let cell = scope.allocate(ty);
         if scope.cells > MAX_CELLS {
             let message = format!(
                 "`{}` needs more than {MAX_CELLS} cells of memory",
                 name.text
             );
+            self.reports.error(name.span, message);
+        }
+        if before <= MAX_PATHS && scope.paths.len() > MAX_PATHS {
+            let message = format!("`{}` makes more than {MAX_PATHS} PATHs", name.text);
             self.reports.error(name.span, message);
         }
         let root = if global {
@@ -108,7 +108,7 @@ impl Checker<'_> {
             let message = "only a program can use variables of another, not a routine";
             return self.reports.error(home.span, message);
         }
-        if ty.holds_file() && !matches!(ty, Type::Path(_)) {
+        if ty.holds_file() {
             let message = "a FILE variable cannot be shared between programs";
             return self.reports.error(name.span, message);
         }
@@ -212,7 +212,7 @@ impl Checker<'_> {
             if !matches!(ty, Type::Text(_)) {
                 self.refuse_open(&ty, written);
             }
-            if ty.holds_file() {
+            if !ty.is_copied() {
                 self.reports
                     .error(written.span, "a function cannot return a FILE or a PATH");
             }

@@ -4,6 +4,7 @@ use super::{Checker, call::result_type};
 use crate::{
     ast::{self, BinaryOp, Relation, UnaryOp},
     builtins::{self, Builtin, Param},
+    generation::Generation,
     span::Span,
     typed::{Arg, BuiltinCall, Constant, Expr, ExprKind, Op, Step},
     types::Type,
@@ -35,10 +36,8 @@ impl Checker<'_> {
                 Some(constant(Constant::Real(*value)))
             }
             ast::ExprKind::Text(bytes) => {
-                if bytes.len() > crate::types::MAX_STRING {
-                    let message =
-                        format!("a string has at most {} bytes", crate::types::MAX_STRING);
-                    self.reports.error(expr.span, message);
+                if bytes.len() > self.generation.longest_string() {
+                    self.too_long(bytes.len(), expr.span);
                     return None;
                 }
                 Some(constant(Constant::Text(Text::new(bytes.clone()))))
@@ -53,6 +52,17 @@ impl Checker<'_> {
             ast::ExprKind::Paren(inner) => Some(self.expr(inner)),
             ast::ExprKind::Error => None,
         }
+    }
+
+    /// A string literal that no variable of this generation can hold.
+    pub(super) fn too_long(&mut self, bytes: usize, span: Span) {
+        let most = self.generation.longest_string();
+        let of = match self.generation {
+            Generation::Any => String::new(),
+            Generation::V7 | Generation::V9 => format!(" of {}", self.generation.name()),
+        };
+        let message = format!("a string{of} has at most {most} bytes, this one has {bytes}");
+        self.reports.error(span, message);
     }
 
     fn unary(&mut self, op: UnaryOp, operand: &ast::Expr, span: Span) -> Option<Expr> {

@@ -28,6 +28,7 @@ use crate::{
 };
 
 use scope::Scope;
+pub(crate) use scope::nearest;
 
 /// A checked program, not yet lowered.
 #[derive(Debug)]
@@ -352,6 +353,7 @@ impl Checker<'_> {
             frame_cells: self.locals.cells,
             first_local,
             files: self.locals.files.clone(),
+            paths: self.locals.paths.clone(),
             signature,
             labels: self.frame.next_label,
             body,

@@ -36,7 +36,7 @@ impl Scope {
     }
 
     fn note_files(&mut self, ty: &Type, cell: u32) {
-        if !ty.holds_file() || self.cells > crate::types::MAX_CELLS {
+        if ty.is_copied() || self.cells > crate::types::MAX_CELLS {
             return;
         }
         match ty {
@@ -98,7 +98,7 @@ impl Scope {
 }
 
 /// The name nearest to `wanted`, if it is near enough to be a slip of the keyboard.
-pub(super) fn nearest<'a>(wanted: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+pub(crate) fn nearest<'a>(wanted: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let limit = 1 + wanted.len() / 5;
     let scored = known.map(|name| (distance(wanted, name), name));
     scored

@@ -138,7 +138,7 @@ impl Checker<'_> {
             let _ = self.expr(value);
             return None;
         };
-        if matches!(place.ty, Type::Path(_)) {
+        if place.ty.holds_path() {
             let message = "a PATH cannot be assigned";
             self.reports
                 .error_with_help(target.span, message, "COPY_PATH copies its nodes");

@@ -116,6 +116,7 @@ impl<'a> Lowering<'a> {
                 args: 0,
                 frame_cells: self.most_cells,
                 files: Vec::new(),
+                paths: Vec::new(),
             });
             parts.extend(std::mem::take(&mut self.deferred));
         }

@@ -67,6 +67,7 @@ pub(crate) fn listing(name: &std::sync::Arc<str>, instructions: Vec<Instruction>
         args: 0,
         frame_cells: 0,
         files: Vec::new(),
+        paths: Vec::new(),
     });
     code
 }
@@ -120,6 +121,7 @@ impl<'a> Lowering<'a> {
             args: routine.first_local,
             frame_cells: self.most_cells,
             files: routine.files.clone(),
+            paths: routine.paths.clone(),
         });
     }
 

@@ -7,6 +7,7 @@ use super::{
     cell::{Cell, FileCell},
     exec::{Exec, Flow, row_of},
     fault::Fault,
+    paths::MAX_LOCAL,
     task::{Argument, Caller, Ending, Signal},
 };
 use crate::{ast::TaskVerb, ir::External, program::Program, status::Status};
@@ -122,6 +123,7 @@ impl Exec<'_> {
         if self.task.callers.len() >= self.limits.call_depth || cells > self.limits.stack_cells {
             return Err(Fault::new(Status::INTP_STACK_OVERFLOW, "Stack overflow"));
         }
+        self.make_room_for_paths(code.paths.len())?;
         self.task.callers.push(Caller {
             program: self.task.program,
             routine: self.task.routine,
@@ -137,6 +139,11 @@ impl Exec<'_> {
                 *cell = Cell::File(FileCell::default());
             }
         }
+        for (path, size) in &code.paths {
+            if let Some(cell) = self.task.frames.get_mut(base + *path as usize) {
+                *cell = self.paths.add_local(*size);
+            }
+        }
         self.task.base = base;
         self.task.routine = routine;
         Ok(self.jump(code.entry))
@@ -144,10 +151,8 @@ impl Exec<'_> {
 
     pub(super) fn return_from_call(&mut self) -> Flow {
         let program = self.program;
-        let has_files = !row_of(&program.code.routines, self.task.routine)
-            .files
-            .is_empty();
-        if has_files {
+        let code = row_of(&program.code.routines, self.task.routine);
+        if !code.files.is_empty() || !code.paths.is_empty() {
             self.close_locals(self.task.base);
         }
         let Some(caller) = self.task.callers.pop() else {
@@ -176,11 +181,30 @@ impl Exec<'_> {
         Flow::Jumped
     }
 
-    /// Closes the FILE variables of frames that go away.
+    /// Closes the FILE variables of frames that go away, and frees the nodes of their PATHs.
     pub(super) fn close_locals(&mut self, from: usize) {
         let cells = self.task.frames.get(from..).unwrap_or_default();
         for file in cells.iter().filter_map(super::open_file) {
             let _ = self.host.close_file(file);
         }
+        for path in cells.iter().filter_map(Cell::path) {
+            self.paths.free(path);
+        }
+    }
+
+    /// Frees the PATHs of tasks that are over, if there are many of routines.
+    fn make_room_for_paths(&mut self, more: usize) -> Result<(), Fault> {
+        if more == 0 || self.paths.has_room(more) {
+            return Ok(());
+        }
+        let others = self.others.live_frames();
+        let own = self.task.frames.iter();
+        let used = others.chain(own).filter_map(Cell::path).collect();
+        self.paths.keep_only(&used);
+        if self.paths.has_room(more) {
+            return Ok(());
+        }
+        let message = format!("Stack overflow: routines have more than {MAX_LOCAL} PATHs");
+        Err(Fault::new(Status::INTP_STACK_OVERFLOW, message))
     }
 }

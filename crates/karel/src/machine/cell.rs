@@ -58,6 +58,15 @@ impl Cell {
         *value
     }
 
+    /// The number of the PATH that it is.
+    pub(crate) fn path(&self) -> Option<u32> {
+        if let Cell::Path(path) = self {
+            Some(*path)
+        } else {
+            None
+        }
+    }
+
     #[inline]
     pub(crate) fn expect_address(&self) -> Address {
         let Cell::Address(value) = self else {

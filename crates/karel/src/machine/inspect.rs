@@ -1,5 +1,7 @@
 //! What an operator's data screen shows, and ending a task with an error from outside.
 
+use std::sync::Arc;
+
 use super::{
     Loaded, Machine, Names,
     cell::{Address, Cell, Memory},
@@ -10,7 +12,7 @@ use crate::{
     host::{Host, TaskId},
     run::TaskState,
     status::Status,
-    types::{TextLength, Type},
+    types::{PathType, TextLength, Type},
     value::Value,
 };
 
@@ -164,6 +166,33 @@ fn split(
             parts.len() <= limit
         }
     }
+}
+
+/// The PATHs of a variable as programs name them, each with its first cell and its type.
+pub(crate) fn paths_in(name: &str, cell: u32, ty: &Type) -> Vec<(String, u32, Arc<PathType>)> {
+    if !ty.holds_path() {
+        return Vec::new();
+    }
+    if let Type::Path(path) = ty {
+        return vec![(name.to_owned(), cell, path.clone())];
+    }
+    if let Type::Structure(structure) = ty {
+        let fields = structure.fields.iter();
+        let paths = fields.flat_map(|field| {
+            let name = format!("{name}.{}", field.name);
+            paths_in(&name, cell + field.offset, &field.ty)
+        });
+        return paths.collect();
+    }
+    let Type::Array(array) = ty else {
+        return Vec::new();
+    };
+    let count: u32 = array.dims.iter().product();
+    let paths = (0..count).flat_map(|index| {
+        let name = format!("{name}[{}]", subscripts(index, &array.dims));
+        paths_in(&name, cell + index * array.element.size(), &array.element)
+    });
+    paths.collect()
 }
 
 /// `2,3` for the sixth element of an array of 2 by 4: the last subscript runs fastest.

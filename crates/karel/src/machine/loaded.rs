@@ -9,6 +9,9 @@ use crate::{
     types::Type,
 };
 
+/// The name of a deleted program: no program can say it, its strings are Latin-1.
+const DELETED: &str = "\u{2205}";
+
 #[derive(Debug)]
 pub(crate) struct Loaded {
     pub(super) program: Program,
@@ -21,6 +24,16 @@ pub(crate) struct Loaded {
 impl Loaded {
     pub(crate) fn name(&self) -> &str {
         self.program.name()
+    }
+
+    /// Whether `CLEAR` deleted it: only its place is left, for the next TP program.
+    pub(crate) fn is_deleted(&self) -> bool {
+        self.name() == DELETED
+    }
+
+    /// Its place stays: tasks and links name programs by their places.
+    pub(super) fn delete(&mut self) {
+        self.program = Program::of_listing(DELETED, Vec::new(), BTreeMap::new());
     }
 
     /// Whether it is a TP program.

@@ -278,7 +278,8 @@ impl Machine {
 
     /// Names of the programs that are loaded, upper case, oldest first.
     pub fn programs(&self) -> impl Iterator<Item = &str> + '_ {
-        self.programs.iter().map(|loaded| loaded.program.name())
+        let there = self.programs.iter().filter(|loaded| !loaded.is_deleted());
+        there.map(|loaded| loaded.program.name())
     }
 
     fn find_program(&self, name: &str) -> Option<usize> {

@@ -104,6 +104,7 @@ impl Exec<'_> {
                 name: &self.task.name,
                 line: program.code.lines.get(self.task.pc).copied().unwrap_or(0),
             },
+            callers: &self.task.callers,
             limits: self.limits,
             host: self.host,
             memory: Memory {

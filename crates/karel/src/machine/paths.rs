@@ -4,11 +4,16 @@
 //! it is an address as any other. A node that is deleted stays with its path for the next one: what
 //! a stale reference reads has the right type whatever happens.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use super::{
     cell::{Address, Cell, Memory},
     fault::Fault,
 };
 use crate::status::Status;
+
+/// Most PATHs of all routines that run.
+pub(crate) const MAX_LOCAL: usize = 10_000;
 
 /// Most nodes of a path, and most cells of all nodes.
 const MAX_NODES: usize = 10_000;
@@ -17,9 +22,13 @@ const MAX_NODE_CELLS: u32 = 1 << 18;
 /// The paths of a machine by the numbers in their cells.
 #[derive(Debug, Default)]
 pub(crate) struct Paths {
-    paths: Vec<Nodes>,
+    all: Vec<Nodes>,
     /// Cells of all nodes.
     cells: u32,
+    /// Paths of routines that run, and of tasks that ended without returning from them.
+    local: BTreeSet<u32>,
+    /// Paths of routines that returned, by the size of their nodes.
+    free: BTreeMap<u32, Vec<u32>>,
 }
 
 #[derive(Debug, Default)]
@@ -33,20 +42,49 @@ struct Nodes {
 impl Paths {
     /// A path without nodes; `size` cells make a node.
     pub(crate) fn add(&mut self, size: u32) -> Cell {
-        self.paths.push(Nodes {
+        self.all.push(Nodes {
             size,
             ..Nodes::default()
         });
-        Cell::Path(u32::try_from(self.paths.len() - 1).unwrap_or(u32::MAX))
+        Cell::Path(u32::try_from(self.all.len() - 1).unwrap_or(u32::MAX))
+    }
+
+    /// As [`Paths::add`], for a routine that is called.
+    pub(crate) fn add_local(&mut self, size: u32) -> Cell {
+        let free = self.free.get_mut(&size).and_then(Vec::pop);
+        let cell = free.map_or_else(|| self.add(size), Cell::Path);
+        let _new = self.local.insert(cell.expect_path());
+        cell
+    }
+
+    /// Whether so many more routines' paths are within bounds.
+    pub(crate) fn has_room(&self, more: usize) -> bool {
+        self.local.len() + more <= MAX_LOCAL
+    }
+
+    /// The routine of a path is over; its nodes are kept for the next one. Others stay.
+    pub(crate) fn free(&mut self, path: u32) {
+        if self.local.remove(&path) {
+            self.clear(path);
+            let size = self.node_cells(path);
+            self.free.entry(size).or_default().push(path);
+        }
+    }
+
+    /// Frees the paths of all routines but these.
+    pub(crate) fn keep_only(&mut self, used: &BTreeSet<u32>) {
+        for path in self.local.difference(used).copied().collect::<Vec<_>>() {
+            self.free(path);
+        }
     }
 
     fn nodes(&self, path: u32) -> &Nodes {
-        let nodes = self.paths.get(path as usize);
+        let nodes = self.all.get(path as usize);
         nodes.expect("loading numbers the paths")
     }
 
     fn nodes_mut(&mut self, path: u32) -> &mut Nodes {
-        let nodes = self.paths.get_mut(path as usize);
+        let nodes = self.all.get_mut(path as usize);
         nodes.expect("loading numbers the paths")
     }
 
@@ -118,9 +156,11 @@ impl Paths {
     }
 
     pub(crate) fn clear_all(&mut self) {
-        for nodes in &mut self.paths {
+        for nodes in &mut self.all {
             let gone = std::mem::take(&mut nodes.used);
             nodes.spare.extend(gone);
         }
+        // The tasks are gone, too.
+        self.keep_only(&BTreeSet::new());
     }
 }

@@ -1,13 +1,16 @@
 //! Switching the machine off and on, and what it remembers of before.
 
+use std::sync::Arc;
+
 use super::{
     Machine,
     cell::{Cell, Memory},
+    inspect::paths_in,
 };
 use crate::{
     cmos::{self, Cmos, Scalar},
     registers::Registers,
-    types::Type,
+    types::{PathType, Type},
 };
 
 impl Machine {
@@ -61,8 +64,8 @@ impl Machine {
 
     /// The nodes of the paths that are kept.
     fn export_paths(&self, loaded: &super::Loaded, memory: &mut Cmos) {
-        for (name, first, ty) in persistent(loaded) {
-            if let (Type::Path(_), Some(Cell::Path(id))) = (ty, self.globals.get(first)) {
+        for (name, first, _) in persistent_paths(loaded) {
+            if let Some(Cell::Path(id)) = self.globals.get(first) {
                 let size = self.paths.node_cells(*id) as usize;
                 let numbers = 1..=i32::try_from(self.paths.len(*id)).unwrap_or(i32::MAX);
                 let nodes = numbers.filter_map(|number| {
@@ -71,7 +74,7 @@ impl Machine {
                     Some(cells.iter().map(Scalar::of).collect())
                 });
                 let paths = memory.paths.entry(loaded.name().to_owned()).or_default();
-                let _new = paths.insert(name.to_owned(), nodes.collect());
+                let _new = paths.insert(name, nodes.collect());
             }
         }
     }
@@ -83,10 +86,7 @@ impl Machine {
         nodes: &[Vec<Option<Scalar>>],
     ) -> Option<()> {
         let loaded = self.programs.get(self.find_program(program)?)?;
-        let (_, first, ty) = persistent(loaded).find(|(known, ..)| *known == name)?;
-        let Type::Path(path) = ty else {
-            return None;
-        };
+        let (_, first, path) = persistent_paths(loaded).find(|(known, ..)| *known == name)?;
         let rows = nodes.iter().map(|values| cmos::cells(values, &path.node));
         let rows = rows.collect::<Option<Vec<_>>>()?;
         let id = self.globals.get(first)?.expect_path();
@@ -161,5 +161,16 @@ fn persistent(loaded: &super::Loaded) -> impl Iterator<Item = (&str, usize, &Typ
     program.persistent.iter().filter_map(|name| {
         let (cell, ty) = program.globals.get(name)?;
         Some((name.as_str(), (loaded.base + cell) as usize, ty))
+    })
+}
+
+/// Name, first cell and type of each PATH that is kept, also in an array or a structure.
+fn persistent_paths(
+    loaded: &super::Loaded,
+) -> impl Iterator<Item = (String, usize, Arc<PathType>)> + '_ {
+    persistent(loaded).flat_map(|(name, first, ty)| {
+        let first = u32::try_from(first).unwrap_or(u32::MAX);
+        let paths = paths_in(name, first, ty).into_iter();
+        paths.map(|(name, cell, path)| (name, cell as usize, path))
     })
 }

@@ -37,12 +37,25 @@ impl Machine {
 
     /// What a slice has done to TP programs.
     fn take_taught(&mut self) {
-        if self.teaching.made.is_empty() && self.teaching.blanked.is_empty() {
+        if !self.teaching.is_due() {
             return;
+        }
+        for name in std::mem::take(&mut self.teaching.deleted) {
+            self.teaching.forget(&name);
+            let index = self.find_program(&name);
+            if let Some(loaded) = index.and_then(|index| self.programs.get_mut(index)) {
+                // Its place stays: tasks and links name programs by their places.
+                loaded.delete();
+            }
         }
         for program in std::mem::take(&mut self.teaching.made) {
             // The built-in has looked whether there is room and no such program.
-            let _loaded = self.load(program);
+            let mut gone = self.programs.iter_mut();
+            if let Some(place) = gone.find(|loaded| loaded.is_deleted()) {
+                place.program = program;
+            } else {
+                let _loaded = self.load(program);
+            }
         }
         for (name, line) in std::mem::take(&mut self.teaching.blanked) {
             let index = self.find_program(&name);

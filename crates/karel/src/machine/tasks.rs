@@ -3,7 +3,9 @@
 use std::{collections::BTreeMap, sync::Arc};
 
 use super::{
-    Loaded, StartError, is_alive, open_file,
+    Loaded, StartError,
+    cell::Cell,
+    is_alive, open_file,
     task::{Ending, Signal, Task},
 };
 use crate::{
@@ -171,6 +173,21 @@ impl Tasks {
 
     pub(crate) fn ids(&self) -> impl Iterator<Item = TaskId> + '_ {
         self.by_id.keys().copied()
+    }
+
+    /// Whether a task that is alive is in a program, also as a caller; the one that runs is not looked at.
+    pub(crate) fn is_executed(&self, program: usize) -> bool {
+        let mut alive = self.by_id.values().filter(|task| is_alive(&task.state));
+        alive.any(|task| {
+            let mut callers = task.callers.iter();
+            task.program == program || callers.any(|caller| caller.program == program)
+        })
+    }
+
+    /// The frames of every task that is alive; not of the one that runs.
+    pub(crate) fn live_frames(&self) -> impl Iterator<Item = &Cell> {
+        let alive = self.by_id.values().filter(|task| is_alive(&task.state));
+        alive.flat_map(|task| &task.frames)
     }
 
     pub(crate) fn changes(&self) -> u64 {

@@ -21,6 +21,8 @@ pub(crate) struct Teaching {
     notes: BTreeMap<String, Text>,
     /// Programs that are to be loaded.
     pub(crate) made: Vec<Program>,
+    /// Programs that are to be deleted.
+    pub(crate) deleted: Vec<String>,
     /// Lines that are to become empty ones.
     pub(crate) blanked: Vec<(String, u32)>,
 }
@@ -51,6 +53,23 @@ impl Teaching {
     pub(crate) fn is_written(&self, program: &str) -> bool {
         let mut open = self.open.values();
         open.any(|open| open.writes && open.program == program)
+    }
+
+    /// Whether somebody reads or writes the program.
+    pub(crate) fn is_open(&self, program: &str) -> bool {
+        self.open.values().any(|open| open.program == program)
+    }
+
+    /// Forgets what was taught of a program.
+    pub(crate) fn forget(&mut self, program: &str) {
+        self.taught.retain(|(of, _), _| of != program);
+        self.comments.retain(|(of, _), _| of != program);
+        let _note = self.notes.remove(program);
+    }
+
+    /// Whether there is something to do between two slices.
+    pub(crate) fn is_due(&self) -> bool {
+        !(self.made.is_empty() && self.blanked.is_empty() && self.deleted.is_empty())
     }
 
     pub(crate) fn close(&mut self, id: i32) -> bool {

@@ -4,7 +4,7 @@ use super::{
     exec::{Exec, Flow, row_of},
     fault::Fault,
     task::Argument,
-    tp_value::{Term, text_bytes},
+    tp_value::{Term, not_entered, text_bytes},
 };
 use crate::{
     registers::Number,
@@ -13,6 +13,9 @@ use crate::{
     tp::{Branch, Call, ForHead, Index, Instruction, Operand},
     value::Value,
 };
+
+/// Rows of `$MACROTABLE` that are looked at.
+const MACROS: i32 = 40;
 
 impl Exec<'_> {
     pub(super) fn tp(&mut self, row: u32) -> Result<Flow, Fault> {
@@ -54,6 +57,8 @@ impl Exec<'_> {
                 self.tp_wait_for(condition, timeout.as_ref())
             }
             Instruction::Call(call) => self.tp_call(call),
+            Instruction::Macro(call) => self.tp_macro(call),
+            Instruction::Unfinished => Err(not_entered()),
             Instruction::Run(name) => self.tp_run(name),
             Instruction::Move(motion) => self.tp_move(motion),
             Instruction::Pulse(port, index, width) => {
@@ -134,6 +139,38 @@ impl Exec<'_> {
             });
         }
         self.call_with(&call.program, arguments)
+    }
+
+    /// Words in the place of a program.
+    ///
+    /// ASSUMPTION: words that the table does not have are those of the program that is named so without blanks.
+    fn tp_macro(&mut self, call: &Call) -> Result<Flow, Fault> {
+        let Call { program, arguments } = call;
+        let table = SysPath::from_name("$MACROTABLE");
+        let text = |row: i32, field: &str| {
+            let path = table.clone().index(&[row]).field(field);
+            match self.host.system_variable(self.id, &path) {
+                Ok(Value::String(text)) => Some(text.to_string_lossless()),
+                Ok(_) | Err(_) => None,
+            }
+        };
+        let row = (1..=MACROS).find(|row| {
+            let name = text(*row, "$MACRO_NAME").unwrap_or_default();
+            name.trim().eq_ignore_ascii_case(program)
+        });
+        let found = row.and_then(|row| text(row, "$PROG_NAME"));
+        let name = found.unwrap_or_else(|| program.replace(' ', ""));
+        let name = name.trim().to_ascii_uppercase();
+        if !self.programs.iter().any(|loaded| loaded.name() == name) {
+            let message =
+                format!("No row of $MACROTABLE is for {program}, and there is no program {name}");
+            return Err(Fault::new(Status::INTP_CALL_FAILED, message));
+        }
+        let arguments = arguments.clone();
+        self.tp_call(&Call {
+            program: name.into(),
+            arguments,
+        })
     }
 
     fn tp_for(&mut self, head: &ForHead, behind: u32) -> Result<Flow, Fault> {

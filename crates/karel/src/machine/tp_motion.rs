@@ -13,7 +13,7 @@ use crate::{
     registers::PositionRegister,
     status::Status,
     syspath::SysPath,
-    tp::{Index, Motion, MotionTarget, Operand, Shift, SpeedUnit, Taught},
+    tp::{Index, Motion, MotionTarget, Operand, Shift, SpeedUnit, Taught, Wrist},
     value::Value,
 };
 
@@ -142,7 +142,8 @@ impl Exec<'_> {
             speed,
             rounding_percent,
             incremental: motion.incremental,
-            wrist_joint: motion.wrist_joint,
+            wrist_joint: motion.wrist == Wrist::AsJoints,
+            least_rotation: motion.wrist == Wrist::LeastRotation,
             acceleration_percent,
             program: self.program.name_arc(),
             line: self.line(),

@@ -44,6 +44,7 @@ impl Exec<'_> {
     pub(super) fn tp_index(&self, index: Index) -> Result<i32, Fault> {
         let (name, register, number) = match index {
             Index::Fixed(number) => return Ok(number),
+            Index::Unset => return Err(not_entered()),
             Index::Register(register) => ("R", register, self.tp_register(register)?),
             Index::Argument(n) => match self.tp_argument(n)? {
                 Term::Number(number) => ("AR", n, number),
@@ -80,6 +81,7 @@ impl Exec<'_> {
 
     pub(super) fn tp_operand(&mut self, operand: &Operand) -> Result<Term, Fault> {
         Ok(match operand {
+            Operand::Unset => return Err(not_entered()),
             Operand::Integer(value) => Term::Number(Number::Integer(*value)),
             Operand::Real(value) => Term::Number(Number::Real(*value)),
             Operand::Switch(on) => Term::Switch(*on),
@@ -280,4 +282,9 @@ pub(crate) fn text_bytes(text: &str) -> Vec<u8> {
 
 pub(super) fn no_such(what: &str, n: i32, status: Status) -> Fault {
     Fault::new(status, format!("There is no {what}[{n}]"))
+}
+
+/// ASSUMPTION: what nobody has entered is as a variable without a value.
+pub(super) fn not_entered() -> Fault {
+    Fault::new(Status::INTP_UNINIT, "Nobody has entered the value")
 }

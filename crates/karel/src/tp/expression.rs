@@ -177,6 +177,9 @@ impl Scanner<'_> {
     }
 
     fn plain_operand(&mut self) -> Scanned<Operand> {
+        if self.is_unset() {
+            return Ok(Operand::Unset);
+        }
         if self.eat_word("ON") || self.eat_word("TRUE") {
             return Ok(Operand::Switch(true));
         }
@@ -293,7 +296,21 @@ impl Scanner<'_> {
         Ok((index, component))
     }
 
+    /// What the pendant shows where nobody has entered a value yet.
+    pub(super) fn is_unset(&mut self) -> bool {
+        let from = self.here();
+        if !(self.eat("...") || self.eat_word("Constant")) {
+            return false;
+        }
+        let message = "nobody has entered what belongs here: INTP-311 for who comes here";
+        self.suspicious(from, message);
+        true
+    }
+
     fn subscript(&mut self) -> Scanned<Index> {
+        if self.is_unset() {
+            return Ok(Index::Unset);
+        }
         let make = if self.eat_word("R") {
             Index::Register
         } else if self.eat_word("AR") {

@@ -4,7 +4,7 @@ use super::{
     Call, Expr, ForHead, Index, Instruction, Operand, Operator, Place,
     scan::{Scanned, Scanner},
 };
-use crate::{ast::Relation, port::Port};
+use crate::{ast::Relation, check::nearest, port::Port};
 
 /// A line whose jumps still name labels, and whose blocks are not matched.
 #[derive(Debug)]
@@ -56,6 +56,36 @@ const NOT_YET: &[&str] = &[
     "VISION",
 ];
 
+/// First words of instructions.
+const INSTRUCTIONS: &[&str] = &[
+    "ABORT",
+    "CALL",
+    "ELSE",
+    "END",
+    "ENDFOR",
+    "ENDIF",
+    "FOR",
+    "IF",
+    "JMP",
+    "LBL",
+    "MESSAGE",
+    "MONITOR",
+    "OFFSET",
+    "OVERRIDE",
+    "PAUSE",
+    "PAYLOAD",
+    "RUN",
+    "SELECT",
+    "SKIP",
+    "TIMER",
+    "TOOL_OFFSET",
+    "UALM",
+    "UFRAME_NUM",
+    "UTOOL_NUM",
+    "WAIT",
+    "WHEN",
+];
+
 /// Most arguments of a CALL.
 ///
 /// ASSUMPTION: programs of the field have up to 14.
@@ -101,7 +131,7 @@ impl Scanner<'_> {
         Ok(if self.sees("LBL") {
             match self.label()? {
                 Index::Fixed(label) => Line::Label(label),
-                Index::Register(_) | Index::Argument(_) => {
+                Index::Register(_) | Index::Argument(_) | Index::Unset => {
                     return Err(self.wrong(0, "a label is a number; only a jump can look it up"));
                 }
             }
@@ -117,12 +147,16 @@ impl Scanner<'_> {
             self.for_line()?
         } else if self.eat_word("ENDFOR") {
             Line::EndFor
-        } else if self.eat_word("WAIT") {
+        } else if !self.is_only("WAIT") // Cells have macros of that name.
+             && self.eat_word("WAIT")
+        {
             self.wait()?
         } else if self.motion_follows() {
             self.motion()?
         } else if let Some(done) = self.simple()? {
             Line::Done(done)
+        } else if let Some(call) = self.macro_call()? {
+            Line::Done(Instruction::Macro(call))
         } else {
             let (target, value) = self.assignment()?;
             Line::Done(match value {
@@ -141,8 +175,46 @@ impl Scanner<'_> {
         self.index()
     }
 
+    /// An instruction of words that belong to no other: a macro.
+    ///
+    /// ASSUMPTION: words that are nearly those of an instruction are an error of who typed them.
+    fn macro_call(&mut self) -> Scanned<Option<Call>> {
+        let Some(words) = self.words() else {
+            return Ok(None);
+        };
+        let first = words
+            .split(' ')
+            .next()
+            .unwrap_or_default()
+            .to_ascii_uppercase();
+        if first.len() < 3 || NOT_YET.contains(&first.as_str()) {
+            return Ok(None);
+        }
+        if let Some(meant) = nearest(&first, INSTRUCTIONS.iter().copied())
+            && !self.is_only("WAIT")
+        {
+            let error = self.expected("an instruction");
+            self.reports.help(&format!("is {meant} meant?"));
+            return Err(error);
+        }
+        let from = self.here();
+        self.take_words(&words);
+        let message = format!("`{words}` is taken for a macro, which $MACROTABLE explains");
+        self.suspicious(from, message);
+        let arguments = self.arguments()?;
+        Ok(Some(Call {
+            program: words.into(),
+            arguments,
+        }))
+    }
+
     pub(super) fn callee(&mut self) -> Scanned<Call> {
         let program = self.name("a program")?.into();
+        let arguments = self.arguments()?;
+        Ok(Call { program, arguments })
+    }
+
+    fn arguments(&mut self) -> Scanned<Vec<Operand>> {
         let mut arguments = Vec::new();
         if self.eat("(") {
             loop {
@@ -156,7 +228,7 @@ impl Scanner<'_> {
             }
             self.expect(")")?;
         }
-        Ok(Call { program, arguments })
+        Ok(arguments)
     }
 
     fn pulsed(&mut self, target: &Place) -> Scanned<(Port, Index)> {
@@ -296,11 +368,7 @@ impl Scanner<'_> {
                 return Err(self.unsupported(&format!("the instruction {word}")));
             }
         }
-        let error = self.expected("an instruction");
-        self.reports.help(
-            "a macro is known by its program: write CALL and the program's name instead of its words",
-        );
-        Err(error)
+        Err(self.expected("an instruction"))
     }
 }
 

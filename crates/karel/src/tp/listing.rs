@@ -26,6 +26,20 @@ pub(crate) fn parse(source: &Source, reports: &mut Reports) -> Option<Listing> {
     if !crate::parser::is_source_text(&source.bytes, 0, reports) {
         return None;
     }
+    let first = source.bytes.trim_ascii_start();
+    if !first
+        .get(..5)
+        .is_some_and(|word| word.eq_ignore_ascii_case(b"/PROG"))
+    {
+        let start = source.bytes.len() - first.len();
+        let message = "expected /PROG: this is no listing of a TP program";
+        reports.error_with_help(
+            Span::new(start, start + 1),
+            message,
+            "a controller's backup has other `.ls` files, too, such as its alarms",
+        );
+        return None;
+    }
     let mut sections = Sections::default();
     let mut start = 0;
     for line in source.bytes.split_inclusive(|byte| *byte == b'\n') {

@@ -69,6 +69,10 @@ pub(crate) enum Instruction {
         timeout: Option<Goal>,
     },
     Call(Call),
+    /// An instruction by words of its own, which a table of the controller explains.
+    Macro(Call),
+    /// `CALL ...`: nobody has entered the program.
+    Unfinished,
     Run(Arc<str>),
     Move(Box<Motion>),
     /// Without a time it is that of `$DEFPULSE`.
@@ -176,10 +180,14 @@ pub(crate) enum Index {
     Register(i32),
     /// The number is this argument of the program, `AR[]`.
     Argument(i32),
+    /// `...`: nobody has entered it.
+    Unset,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Operand {
+    /// `Constant` or `...`: nobody has entered it.
+    Unset,
     Integer(i32),
     Real(f32),
     Switch(bool),
@@ -264,7 +272,7 @@ pub(crate) enum Arithmetic {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Motion {
     pub(crate) interpolation: Interpolation,
-    /// Of a `C`: a position on the arc.
+    /// Of a `C`: a position on the arc. Of an `A`: one on the rest of its circle.
     pub(crate) via: Option<MotionTarget>,
     pub(crate) target: MotionTarget,
     pub(crate) speed: Operand,
@@ -277,8 +285,7 @@ pub(crate) struct Motion {
     pub(crate) tool_offset: Shift,
     /// `INC`: the target counts from where the motion starts.
     pub(crate) incremental: bool,
-    /// `Wjnt`: the wrist turns as in a joint motion.
-    pub(crate) wrist_joint: bool,
+    pub(crate) wrist: Wrist,
     /// `Skip`: where to when the motion ends without its SKIP CONDITION.
     pub(crate) skip: Option<Goal>,
     /// `SkipJump`: where to when it ends with it.
@@ -287,6 +294,17 @@ pub(crate) struct Motion {
     pub(crate) skip_keeps: Option<(Index, Operand)>,
     /// `TA`, `TB`, `DB`.
     pub(crate) beside: Option<Beside>,
+}
+
+/// What an option says of the wrist.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Wrist {
+    /// Nothing.
+    AsTaught,
+    /// `Wjnt`: it turns as in a joint motion.
+    AsJoints,
+    /// `MROT`: it turns as little as possible.
+    LeastRotation,
 }
 
 /// What a motion does besides.

@@ -1,14 +1,14 @@
 //! Motion instructions: `J PR[1] R[2]% FINE`, `L P[3:place] 250mm/sec CNT50 ACC80`.
 
 use super::{
-    Beside, BesideWhen, Branch, Index, Motion, MotionTarget, Operand, Shift, SpeedUnit,
+    Beside, BesideWhen, Branch, Index, Motion, MotionTarget, Operand, Shift, SpeedUnit, Wrist,
     instruction::{Line, Then},
     scan::{Scanned, Scanner},
 };
 use crate::host::Interpolation;
 
 impl Scanner<'_> {
-    /// Whether the line starts with `J P`, `L P` or `C P`.
+    /// Whether the line starts with `J P`, `L P`, `C P` or `A P`.
     pub(super) fn motion_follows(&mut self) -> bool {
         ["J P", "L P", "C P", "A P"]
             .into_iter()
@@ -23,7 +23,8 @@ impl Scanner<'_> {
         } else if self.eat_word("C") {
             Interpolation::Circular
         } else {
-            return Err(self.unsupported("a motion of arcs (A)"));
+            self.expect("A")?;
+            Interpolation::CircleArc
         };
         let first = self.place_to_go()?;
         let (via, target) = if interpolation == Interpolation::Circular {
@@ -45,7 +46,7 @@ impl Scanner<'_> {
             offset: Shift::No,
             tool_offset: Shift::No,
             incremental: false,
-            wrist_joint: false,
+            wrist: Wrist::AsTaught,
             skip: None,
             skip_jumps: false,
             skip_keeps: None,
@@ -66,7 +67,12 @@ impl Scanner<'_> {
                 if interpolation == Interpolation::Joint {
                     return Err(self.wrong(0, "a motion J has no Wjnt"));
                 }
-                motion.wrist_joint = true;
+                motion.wrist = Wrist::AsJoints;
+            } else if self.eat_word("MROT") {
+                if interpolation != Interpolation::Joint {
+                    return Err(self.wrong(0, "only a motion J has MROT"));
+                }
+                motion.wrist = Wrist::LeastRotation;
             } else if self.eat("AP_LD") || self.eat("RT_LD") {
                 // ASSUMPTION: the way is straight near its ends anyhow, up to the corner that CNT rounds.
                 let _distance = self.operand()?;
@@ -97,6 +103,9 @@ impl Scanner<'_> {
             )
         {
             return Err(self.unsupported("DB together with INC"));
+        }
+        if motion.incremental && interpolation == Interpolation::CircleArc {
+            return Err(self.unsupported("A together with INC"));
         }
         Ok(Line::Move {
             motion: Box::new(motion),
@@ -194,6 +203,7 @@ impl Scanner<'_> {
                 Interpolation::Joint => "J",
                 Interpolation::Linear => "L",
                 Interpolation::Circular => "C",
+                Interpolation::CircleArc => "A",
             };
             return Err(self.wrong(0, format!("a motion {letter} has no speed in {text}")));
         }

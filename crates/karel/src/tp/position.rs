@@ -49,6 +49,10 @@ impl Scanner<'_> {
         let number = self.integer("a position's number")?;
         let _comment = self.rest_of_bracket()?;
         self.expect("{")?;
+        if self.sees("GP") && !self.sees("GP1:") {
+            self.skip_groups()?;
+            return Ok((number, None));
+        }
         self.expect("GP1:")?;
         self.expect("UF")?;
         let frame = self.frame_number()?;
@@ -88,10 +92,11 @@ impl Scanner<'_> {
             })
         };
         if self.sees("GP") || self.sees("E1") {
-            return Err(self.unsupported("a position with more axes or groups"));
+            self.skip_groups()?;
+        } else {
+            self.expect("}")?;
+            self.expect(";")?;
         }
-        self.expect("}")?;
-        self.expect(";")?;
         let taught = target.map(|target| Taught {
             number,
             frame,
@@ -99,6 +104,21 @@ impl Scanner<'_> {
             target,
         });
         Ok((number, taught))
+    }
+
+    /// Axes beyond six and groups beyond the first, to the end of the position.
+    ///
+    /// ASSUMPTION: this arm moves as if they were not there.
+    fn skip_groups(&mut self) -> Scanned<()> {
+        let from = self.here();
+        while !self.eat("}") {
+            self.up_to_any(b"\n}")?;
+        }
+        self.suspicious(
+            from,
+            "other groups, and axes beyond six, are left out: this arm has six",
+        );
+        self.expect(";")
     }
 
     /// `: 3`, or `: F` for whatever is active.

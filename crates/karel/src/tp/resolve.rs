@@ -3,10 +3,10 @@
 use std::{collections::BTreeMap, sync::Arc};
 
 use super::{
-    Branch, ForHead, Goal, Index, Instruction, Labels, MotionTarget, Positions,
+    Branch, ForHead, Goal, Index, Instruction, Labels, Motion, MotionTarget, Positions,
     instruction::{Line, Then},
 };
-use crate::{diagnostic::Reports, span::Span};
+use crate::{diagnostic::Reports, host::Interpolation, span::Span};
 
 /// What a block has at its end, or in its middle.
 #[derive(Default)]
@@ -86,7 +86,43 @@ pub(super) fn resolve(
         };
         resolved.push(instruction);
     }
+    complete_arcs(&mut resolved);
     resolved
+}
+
+/// Each `A` names one place: three of them, one after the other, make a circle.
+///
+/// ASSUMPTION: the way to the first one is straight; that to the second is on the circle through the first three, that to
+/// each later one on the circle through it and the two before. Two alone are straight lines. What is between them and is
+/// no motion does not matter.
+fn complete_arcs(instructions: &mut [Instruction]) {
+    let mut moves: Vec<&mut Motion> = Vec::new();
+    for instruction in instructions {
+        if let Instruction::Move(motion) = instruction {
+            moves.push(motion);
+        }
+    }
+    let places: Vec<Option<MotionTarget>> = moves
+        .iter()
+        .map(|motion| {
+            let is_arc = motion.interpolation == Interpolation::CircleArc;
+            is_arc.then(|| motion.target.clone())
+        })
+        .collect();
+    let place = |at: Option<usize>| places.get(at?)?.clone();
+    for (at, motion) in moves.iter_mut().enumerate() {
+        if place(Some(at)).is_none() {
+            continue;
+        }
+        let before = |by: usize| place(at.checked_sub(by));
+        motion.via = match (before(2), before(1), place(Some(at + 1))) {
+            (_, None, _) | (None, Some(_), None) => None,
+            (Some(third), Some(_), _) | (None, Some(_), Some(third)) => Some(third),
+        };
+        if motion.via.is_none() {
+            motion.interpolation = Interpolation::Linear;
+        }
+    }
 }
 
 struct Resolver<'a> {

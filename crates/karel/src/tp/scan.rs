@@ -130,6 +130,17 @@ impl<'a> Scanner<'a> {
         Ok(text)
     }
 
+    /// Takes what is before the next of these characters, which must be there, and that one if it is an end of the line.
+    pub(super) fn up_to_any(&mut self, ends: &[u8]) -> Scanned<()> {
+        let length = self.rest().iter().position(|byte| ends.contains(byte));
+        let Some(length) = length else {
+            self.at = self.bytes.len();
+            return Err(self.expected("`}`"));
+        };
+        self.at += length;
+        Ok(())
+    }
+
     /// The rest of a bracket, which is taken: a comment may have brackets of its own, such as `F[5:UI[5]]`.
     pub(super) fn rest_of_bracket(&mut self) -> Scanned<&'a [u8]> {
         let mut open = 0_u32;
@@ -213,6 +224,39 @@ impl<'a> Scanner<'a> {
         let span = Span::new(self.start + from, self.start + end);
         self.reports.error(span, message);
         Reported
+    }
+
+    /// Warns of what is from `from` to here.
+    pub(super) fn suspicious(&mut self, from: usize, message: impl Into<String>) {
+        let span = Span::new(self.start + from, self.start + self.at.max(from + 1));
+        self.reports.warning(span, message);
+    }
+
+    /// Whether the rest of the line is this word.
+    pub(super) fn is_only(&self, word: &str) -> bool {
+        self.rest()
+            .trim_ascii()
+            .eq_ignore_ascii_case(word.as_bytes())
+    }
+
+    /// The words of a line that has nothing else but perhaps a list in parentheses; nothing is taken.
+    pub(super) fn words(&mut self) -> Option<String> {
+        self.skip_blanks();
+        let text = self.rest();
+        let end = text.iter().position(|byte| *byte == b'(');
+        let (words, list) = text.split_at_checked(end.unwrap_or(text.len()))?;
+        let part =
+            |byte: &u8| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-' | b' ' | b'.');
+        let list = list.trim_ascii_end();
+        let fits = words.first()?.is_ascii_alphabetic()
+            && words.trim_ascii_end().iter().all(part)
+            && (list.is_empty() || list.ends_with(b")"));
+        fits.then(|| String::from_utf8_lossy(words.trim_ascii_end()).into_owned())
+    }
+
+    /// Takes what [`Scanner::words`] gave.
+    pub(super) fn take_words(&mut self, words: &str) {
+        self.at += words.len();
     }
 
     /// Reports the whole line.

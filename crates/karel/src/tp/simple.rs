@@ -10,7 +10,11 @@ impl Scanner<'_> {
     /// Instructions that are a word and perhaps an operand.
     pub(super) fn simple(&mut self) -> Scanned<Option<Instruction>> {
         let done = if self.eat_word("CALL") {
-            Instruction::Call(self.callee()?)
+            if self.is_unset() {
+                Instruction::Unfinished
+            } else {
+                Instruction::Call(self.callee()?)
+            }
         } else if self.eat_word("RUN") {
             Instruction::Run(self.name("a program")?.into())
         } else if self.eat_word("END") {

@@ -173,3 +173,38 @@ END t
     nodes.unwrap().push(vec![Some(Scalar::Boolean(true))]);
     assert_eq!(machine.import_cmos(&other), ["[T]KEPT"]);
 }
+
+#[test]
+fn paths_in_structures_and_arrays_are_kept_in_cmos_too() {
+    let source = b"PROGRAM t
+TYPE
+  job_t = STRUCTURE
+    way : PATH NODEDATA = INTEGER
+    legs : ARRAY[2] OF PATH NODEDATA = INTEGER
+  ENDSTRUCTURE
+VAR
+  kept IN CMOS : ARRAY[2] OF job_t
+  lost : job_t
+  status : INTEGER
+BEGIN
+  APPEND_NODE(kept[2].legs[1], status)
+  APPEND_NODE(kept[2].legs[1], status)
+  kept[2].legs[1][2] = 5
+  APPEND_NODE(lost.way, status)
+  lost.way[1] = 6
+END t
+";
+    let (mut machine, task) = machine_with(source, "t.kl");
+    let mut host = ScriptedHost::new(Vec::new());
+    run(&mut machine, task, &mut host);
+    let memory = machine.export_cmos();
+    machine.power_cycle();
+    assert_eq!(machine.import_cmos(&memory), Vec::<String>::new());
+    let kept = "kept[2].legs[1][2]";
+    assert_eq!(value(&mut machine, kept), Some(Value::Integer(5)));
+    assert!(
+        machine
+            .variable("t", &SysPath::parse("lost.way[1]").unwrap())
+            .is_err()
+    );
+}

@@ -143,8 +143,8 @@ fn what_is_not_run_yet_or_makes_no_sense_is_an_error_with_its_line() {
             "expected `P`, found `100mm/sec FINE`",
         ),
         (
-            "A PR[1] 100mm/sec FINE",
-            "a motion of arcs (A) is not supported yet",
+            "A PR[1] 100mm/sec FINE INC",
+            "A together with INC is not supported yet",
         ),
         (
             "J PR[1] 100mm/sec FINE",

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use karel::{Limits, Machine, Program, Run};
+use karel::{Limits, Machine, Program, Run, TaskState};
 use proptest::prelude::*;
 
 use crate::host::{Event, ScriptedHost, machine_with, run};
@@ -283,6 +283,25 @@ fn a_nul_byte_is_not_source_text() {
 }
 
 #[test]
+fn files_of_a_controller_that_are_no_source_say_what_to_load_instead() {
+    let files = karel::IncludeFiles::default();
+    for (name, what, help) in [
+        ("a/main.pc", "a translated KAREL program (.pc)", "`.kl`"),
+        ("MAIN.TP", "own form (.tp)", "`.ls`"),
+        ("numreg.vr", "own form (.vr)", "--set"),
+        ("main.va", "a listing of variables (.va)", "--set"),
+        ("backup.sv", "own form (.sv)", "--set"),
+        ("eng.tx", "a translated dictionary (.tx)", "`.utx`"),
+    ] {
+        let refused = Program::from_file(b"\x00\x01PROGRAM", name, &files).unwrap_err();
+        assert_eq!(refused.len(), 1, "{refused:?}");
+        assert!(refused[0].message.contains(what), "{}", refused[0]);
+        let shown = refused[0].help.as_deref().unwrap_or_default();
+        assert!(shown.contains(help), "{}", refused[0]);
+    }
+}
+
+#[test]
 fn a_million_lines_are_counted() {
     let mut source = b"PROGRAM lines\nVAR n: INTEGER\nBEGIN\n".to_vec();
     source.extend(std::iter::repeat_n(b'\n', 1_000_000));
@@ -367,5 +386,38 @@ fn a_task_that_signals_itself_for_ever_spends_only_its_own_fuel() {
     for _ in 0..100 {
         let slice = machine.run(task, 1_000, &mut host);
         assert!(slice.used <= 1_000);
+    }
+}
+
+#[test]
+fn tasks_that_died_in_a_routine_give_back_its_paths() {
+    // Each run leaves 1000 PATHs behind, the machine has 10,000 of routines.
+    let source = b"PROGRAM t
+VAR
+  n : INTEGER
+ROUTINE r
+VAR
+  many : ARRAY[1000] OF PATH NODEDATA = INTEGER
+  status : INTEGER
+BEGIN
+  APPEND_NODE(many[1000], status)
+  n = n DIV 0
+END r
+BEGIN
+  n = 1
+  r
+END t
+";
+    let program = Program::parse_and_check(source, "t.kl").unwrap();
+    let mut machine = Machine::new(Limits::default());
+    machine.load(program).unwrap();
+    for _ in 0..30 {
+        let task = machine.start("t").unwrap();
+        let mut host = ScriptedHost::new(Vec::new());
+        run(&mut machine, task, &mut host);
+        let TaskState::Aborted(error) = &machine.task(task).unwrap().state else {
+            panic!("it divides by zero")
+        };
+        assert_eq!(error.status, karel::Status(12_307), "{error}");
     }
 }

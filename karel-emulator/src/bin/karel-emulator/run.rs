@@ -6,22 +6,24 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Context, anyhow, bail};
-use clap::ValueEnum;
 use karel::{ByteOrder, Program};
 use karel_emulator::config::{
     ControllerConfig, Exposure, InterpolationPeriod, ProgramSource, SecondClient,
 };
 use karel_emulator::devices;
 use karel_emulator::{
-    Clock, ControlAccess, ControllerGeneration, ControllerOption, FaultBody, Fidelity, PeerLabels,
-    VirtualController,
+    Clock, ControlAccess, ControllerOption, FaultBody, Fidelity, PeerLabels, ProgramSelection,
+    RemoteStart, VirtualController,
 };
 use kinematics::{ArmModel, PendantJoints};
 use tokio::signal::unix::{SignalKind, signal};
 
 mod idle;
+mod words;
 
 use crate::includes::Folder;
+pub(crate) use words::GenerationWord;
+use words::{FidelityWord, MissingOption, Second, SelectionWord};
 
 /// Run KAREL programs on a virtual controller.
 ///
@@ -127,57 +129,23 @@ pub(crate) struct Run {
     /// see where the arm was at the last one.
     #[arg(long, default_value = "8", value_name = "MS", value_parser = parse_period)]
     interpolation_ms: InterpolationPeriod,
+    /// Let signals start programs: `rsr` (UI[9] to UI[16] start RSR0001 to RSR0008, one after the other) or `pns` (they
+    /// are a number, UI[17] chooses PNS0001 to PNS0255, UI[18] going off starts it). UI[1], UI[2], UI[3] and UI[8] are on.
+    #[arg(long, value_enum, value_name = "HOW")]
+    remote_start: Option<SelectionWord>,
+    /// With --remote-start: added to the number that the signals mean.
+    #[arg(
+        long,
+        default_value_t = 0,
+        value_name = "NUMBER",
+        requires = "remote_start"
+    )]
+    base_number: u16,
     /// What to log on standard error, such as `info` or `karel_emulator=debug`.
     ///
     /// [default: info, with --until-idle warn]
     #[arg(long, env = "KAREL_EMULATOR_LOG", value_name = "FILTER")]
     log: Option<String>,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-#[value(rename_all = "UPPER")]
-enum MissingOption {
-    /// KAREL.
-    R632,
-    /// User Socket Messaging.
-    R648,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Second {
-    /// It waits for its turn.
-    Backlog,
-    /// It is refused.
-    Refuse,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum FidelityWord {
-    /// As silent as a real one.
-    Faithful,
-    /// It explains itself.
-    Kind,
-}
-
-/// The generation of a controller, on a command line.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum GenerationWord {
-    /// Whatever any of them accepts.
-    Any,
-    /// R-30iA, system software 7.
-    V7,
-    /// R-30iB Plus, system software 9.
-    V9,
-}
-
-impl From<GenerationWord> for ControllerGeneration {
-    fn from(word: GenerationWord) -> Self {
-        match word {
-            GenerationWord::Any => Self::Any,
-            GenerationWord::V7 => Self::V7,
-            GenerationWord::V9 => Self::V9,
-        }
-    }
 }
 
 impl Run {
@@ -249,6 +217,13 @@ impl Run {
         };
         config.generation = self.generation.into();
         config.interpolation_period = self.interpolation_ms;
+        config.remote_start = self.remote_start.map(|selection| RemoteStart {
+            selection: match selection {
+                SelectionWord::Rsr => ProgramSelection::Rsr,
+                SelectionWord::Pns => ProgramSelection::Pns,
+            },
+            base: self.base_number,
+        });
         config.seed = self.seed;
         config.presets = self.presets.iter().flat_map(|set| set.0.clone()).collect();
         config.faults.clone_from(&self.faults);
