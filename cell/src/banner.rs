@@ -87,7 +87,7 @@ pub(crate) fn print(
     if let Some(server) = server {
         writeln!(
             out,
-            "                       process {server}: `kill -9 {server}` pulls its plug. Arms, mobile robots and loads go on; it is started\n                       again by itself and finds out what became of everything"
+            "  server process       {server}: `kill -9 {server}` pulls its plug. Arms, mobile robots and loads go on; it is started\n                       again by itself and finds out what became of everything"
         )?;
     }
     let cells = file.cells.iter();
