@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::net::SocketAddr;
+use std::path::Path;
 
 use anyhow::Result;
 use api::NewToken;
@@ -37,6 +38,7 @@ An admin manages tokens and moves nothing. Log in with it, and make yourself an 
 pub(crate) fn print(
     http: SocketAddr,
     file: &File,
+    folder: &Path,
     plant: &Plant,
     first: Option<&NewToken>,
     server: Option<u32>,
@@ -52,37 +54,40 @@ pub(crate) fn print(
     let mut out = std::io::stdout().lock();
     writeln!(
         out,
-        "  HTTP API             http://{http}      documentation: http://{http}/docs"
+        "  server               http://{http}/  documentation: http://{http}/docs/"
     )?;
     match &file.journal.path {
-        Some(path) => writeln!(out, "  journal              {}", path.display())?,
+        // A path counts from the configuration, not from where a person stands.
+        Some(path) => writeln!(
+            out,
+            "  journal              {}",
+            folder.join(path).display()
+        )?,
         None => writeln!(
             out,
             "  journal              in memory: NOTHING SURVIVES A RESTART ([journal] path = \"..\" keeps it)"
         )?,
     }
     for part in controllers {
-        write!(
-            out,
-            "  virtual controller   {} (`{}`)",
-            part.at.command, part.name
-        )?;
+        let at = format!("{} (`{}`)", part.at.command, part.name);
+        write!(out, "  virtual controller   {at:<27}")?;
         if let Some(panel) = part.controller.panel_address() {
-            write!(out, "      panel: http://{panel}/")?;
+            write!(out, "  panel: http://{panel}/")?;
         }
         writeln!(out)?;
     }
     for robot in plant.mobile_robots() {
-        write!(out, "  mobile robot         `{}`", robot.id())?;
+        let id = format!("`{}`", robot.id());
+        write!(out, "  mobile robot         {id:<27}")?;
         if let Some(view) = robot.view_address() {
-            write!(out, "                      page: http://{view}/")?;
+            write!(out, "  page:  http://{view}/")?;
         }
         writeln!(out)?;
     }
     if let Some(server) = server {
         writeln!(
             out,
-            "  server               process {server}: `kill -9 {server}` pulls its plug. Arms, mobile robots and loads go on; it is started\n                       again by itself and finds out what became of everything"
+            "  server process       {server}: `kill -9 {server}` pulls its plug. Arms, mobile robots and loads go on; it is started\n                       again by itself and finds out what became of everything"
         )?;
     }
     let cells = file.cells.iter();

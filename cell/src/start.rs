@@ -116,7 +116,7 @@ async fn serve(
     let address = listener.local_addr()?;
     if let Some(plant) = &mut plant {
         plant.start_mobile_robots(&url_of(address))?;
-        banner::print(address, &file, plant, access.first.as_ref(), None)?;
+        banner::print(address, &file, &folder, plant, access.first.as_ref(), None)?;
     } else {
         banner::token(access.first.as_ref())?;
     }

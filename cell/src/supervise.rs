@@ -69,7 +69,7 @@ pub(crate) async fn run(
             if let Some(path) = &journal {
                 loaded.file.journal.path = Some(path.clone());
             }
-            banner::print(listen, &loaded.file, &plant, None, Some(id))?;
+            banner::print(listen, &loaded.file, &loaded.folder, &plant, None, Some(id))?;
             is_first = false;
         } else {
             banner::again(id)?;

@@ -38,6 +38,32 @@ async fn x14_no_answer_may_be_framed() {
     robot.assert_untouched();
 }
 
+/// Covers: X11.
+#[tokio::test]
+async fn x11_the_start_page_takes_nothing_from_elsewhere() {
+    let robot = FakeRobot::accepting().await;
+    let server = TestServer::start(&robot).await;
+    let page = server.get("/").await;
+    let policy = page.header("content-security-policy").unwrap_or_default();
+    for part in [
+        "default-src 'none'",
+        "connect-src 'self'",
+        "base-uri 'none'",
+    ] {
+        assert!(policy.contains(part), "{policy}");
+    }
+    // What robots, people and controllers say is set as text.
+    for markup in [
+        "innerHTML",
+        "outerHTML",
+        "insertAdjacentHTML",
+        "document.write",
+    ] {
+        assert!(!page.body.contains(markup), "{markup}");
+    }
+    server.stopped().await;
+}
+
 /// The first line that the server answers to a request for its events.
 async fn asked_for_events(server: &TestServer, header: &str) -> String {
     let mut stream = TcpStream::connect(server.address).await.unwrap();

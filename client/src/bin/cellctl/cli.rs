@@ -25,8 +25,11 @@ pub(crate) struct Cli {
 
 const AFTER_HELP: &str = "\
 Examples:
+  cellctl cells
   cellctl move 600 200 600 -180 30 0 --speed 200
   cellctl ik 600 200 600 -180 30 0
+  cellctl --cell line job delivery --point handover/front --item load-1=crate:left:rack/d
+  cellctl --cell line watch
   cellctl --json state | jq .link.state
 
 Exit codes:

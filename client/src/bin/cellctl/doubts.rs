@@ -30,6 +30,8 @@ pub(crate) struct DoubtsArgs {
 
 #[derive(Debug, Subcommand)]
 enum DoubtsCommand {
+    /// List the motions in doubt.
+    List,
     /// Answer one, once and for good.
     Answer {
         /// Its id.

@@ -19,8 +19,14 @@ const POLL: Duration = Duration::from_millis(50);
 
 /// Look at a virtual controller, operate it, and break it on purpose.
 ///
-/// Example, wait up to 10 s until the arm is at rest, then show where:
+/// --emulator says which one, by the address of its panel. A demo names the panels in its first lines.
+///
+/// Examples:
 ///   cellctl emulator state --wait-still 10
+///   cellctl --emulator $PANEL emulator emergency-stop on
+///   cellctl emulator emergency-stop off
+///   cellctl emulator reset
+///   cellctl emulator fault '"freeze"'
 #[derive(Args, Debug)]
 #[command(verbatim_doc_comment)]
 pub(crate) struct EmulatorArgs {

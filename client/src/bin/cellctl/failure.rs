@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::fmt::Write;
 
-use api::{Outcome, Problem, Violation};
+use api::{Outcome, Problem, ProblemCode, Violation};
 use client::ClientError;
 use serde::Serialize;
 
@@ -27,6 +27,9 @@ pub(crate) enum Failure {
     /// What was asked for cannot be drawn.
     #[error("the drawing: {0}")]
     Plot(#[from] plots::PlotError),
+    /// A number that no job of the cell has.
+    #[error("the cell has no job number {number}")]
+    NoJob { number: u64 },
     /// A relative move without a place to count from.
     #[error(
         "the server knows no accepted target to count from: none yet, or a motion in doubt since"
@@ -70,6 +73,7 @@ impl Failure {
             | Self::Usage(_)
             | Self::Refusal(_)
             | Self::Plot(_)
+            | Self::NoJob { .. }
             | Self::NoAcceptedTarget
             | Self::ControlLost(_)
             | Self::NotStill { .. } => Report::json(exit, &self.document(None, None)),
@@ -80,9 +84,11 @@ impl Failure {
         match self {
             Self::Client(error) => exit_of(error),
             Self::Which { .. } | Self::Usage(_) => Exit::Usage,
-            Self::NoAcceptedTarget | Self::ControlLost(_) | Self::Refusal(_) | Self::Plot(_) => {
-                Exit::Refused
-            }
+            Self::NoJob { .. }
+            | Self::NoAcceptedTarget
+            | Self::ControlLost(_)
+            | Self::Refusal(_)
+            | Self::Plot(_) => Exit::Refused,
             Self::NotStill { .. } => Exit::Link,
         }
     }
@@ -90,7 +96,9 @@ impl Failure {
     fn outcome(&self) -> Outcome {
         match self {
             Self::Client(error) => error.outcome(),
-            Self::Which { .. } | Self::Usage(_) | Self::NoAcceptedTarget => Outcome::NotSent,
+            Self::Which { .. } | Self::Usage(_) | Self::NoJob { .. } | Self::NoAcceptedTarget => {
+                Outcome::NotSent
+            }
             Self::ControlLost(_) | Self::NotStill { .. } | Self::Refusal(_) | Self::Plot(_) => {
                 Outcome::None
             }
@@ -128,6 +136,7 @@ impl Failure {
             | Self::Which { .. }
             | Self::Usage(_)
             | Self::Plot(_)
+            | Self::NoJob { .. }
             | Self::NoAcceptedTarget
             | Self::ControlLost(_)
             | Self::NotStill { .. } => Vec::new(),
@@ -138,7 +147,7 @@ impl Failure {
     fn sentence(&self) -> String {
         let causes = std::iter::successors(self.source(), |&error| error.source());
         match causes.last() {
-            Some(cause) => format!("{self}: {cause}"),
+            Some(cause) => with_cause(self.to_string(), &cause.to_string()),
             None => self.to_string(),
         }
     }
@@ -159,6 +168,7 @@ impl Failure {
             | Self::ControlLost(_)
             | Self::NotStill { .. } => self.sentence(),
             Self::Which { all, .. } => list(&self.sentence(), all),
+            Self::NoJob { .. } => format!("{}\nHint: {JOBS}", self.sentence()),
             Self::NoAcceptedTarget => {
                 format!(
                     "{}\nHint: move to an absolute pose, or home, first",
@@ -208,7 +218,11 @@ fn exit_of(error: &ClientError) -> Exit {
 fn problem_text(problem: &Problem) -> String {
     let mut text = format!("{}: {}", problem.title, problem.detail);
     for violation in &problem.violations {
-        let _ = write!(text, "\n  {}", violation_text(violation, &problem.detail));
+        let line = violation_text(violation, &problem.detail);
+        // An item alone, which the sentence names, tells nothing more.
+        if !(line == violation.item && problem.detail.contains(&line)) {
+            let _ = write!(text, "\n  {line}");
+        }
     }
     if let Some(words) = &problem.controller_text
         && !problem.detail.contains(words.as_str())
@@ -218,10 +232,57 @@ fn problem_text(problem: &Problem) -> String {
     if let Some(motion) = problem.motion {
         let _ = write!(text, "\nMotion {motion}");
     }
-    if let Some(hint) = &problem.hint {
+    if let Some(hint) = problem.hint.as_deref().or_else(|| hint_for(problem)) {
         let _ = write!(text, "\nHint: {hint}");
     }
     text
+}
+
+const JOBS: &str = "`cellctl job list` shows the jobs";
+
+/// What to do next at a command line, where the server, which does not know of one, has no hint.
+fn hint_for(problem: &Problem) -> Option<&'static str> {
+    let detail = &problem.detail;
+    let item = problem.violations.first().map(|first| first.item.as_str());
+    match (problem.code, item) {
+        (ProblemCode::Validation, Some("speed_mm_s")) if detail.contains("`speed_percent`") => {
+            Some("say how fast with --percent, for example --percent 20")
+        }
+        (ProblemCode::Validation, Some("speed_percent")) if detail.contains("mm/s") => {
+            Some("say how fast with --speed, for example --speed 200")
+        }
+        (ProblemCode::Validation, Some(item)) if item.ends_with(".load_id") => {
+            Some("`cellctl loads` shows where every load is")
+        }
+        (ProblemCode::NotFound, _) => [
+            (" job ", JOBS),
+            (" load ", "`cellctl loads` shows the loads"),
+            (" motion ", "`cellctl motions` shows the last ones"),
+            ("intervention", "`cellctl interventions` shows what is open"),
+            (
+                "mobile robot",
+                "`cellctl mobile-robot` shows those there are",
+            ),
+            (
+                " robot ",
+                "`cellctl cells` shows the cells and their robots",
+            ),
+            (" cell ", "`cellctl cells` shows the cells and their robots"),
+        ]
+        .into_iter()
+        .find(|(what, _)| detail.contains(what))
+        .map(|(_, hint)| hint),
+        _ => None,
+    }
+}
+
+/// A sentence and what caused it, unless it says that already.
+pub(crate) fn with_cause(sentence: String, cause: &str) -> String {
+    if sentence.contains(cause) {
+        sentence
+    } else {
+        format!("{sentence}: {cause}")
+    }
 }
 
 /// One thing wrong with its value and limits; its message, too, unless the `detail` above it says the same.
@@ -259,4 +320,85 @@ fn list(sentence: &str, items: &[String]) -> String {
     items.iter().fold(sentence.to_owned(), |text, item| {
         format!("{text}\n  {item}")
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn problem(code: ProblemCode, item: Option<&str>, detail: &str) -> Problem {
+        let violations = item.map(|item| Violation {
+            item: item.to_owned(),
+            message: detail.to_owned(),
+            ..Violation::default()
+        });
+        let violations: Vec<_> = violations.into_iter().collect();
+        serde_json::from_value(serde_json::json!({
+            "type": "about:blank",
+            "title": code.title(),
+            "status": code.status(),
+            "detail": detail,
+            "code": code,
+            "outcome": "NOT_SENT",
+            "retryable": false,
+            "request_id": "r",
+            "violations": violations,
+        }))
+        .unwrap()
+    }
+
+    #[test]
+    fn who_cannot_know_what_to_do_next_is_told() {
+        let percent = "speed_mm_s: this controller takes the speed in percent: `speed_percent`";
+        for (code, item, detail, hint) in [
+            (
+                ProblemCode::NotFound,
+                None,
+                "cell `line` has no job 7",
+                "cellctl job list",
+            ),
+            (
+                ProblemCode::NotFound,
+                None,
+                "there is no robot `r9` in cell `line`",
+                "cellctl cells",
+            ),
+            (
+                ProblemCode::NotFound,
+                None,
+                "there is no mobile robot `mr9` in the set-up of cell `line`",
+                "cellctl mobile-robot",
+            ),
+            (
+                ProblemCode::Validation,
+                Some("speed_mm_s"),
+                percent,
+                "--percent",
+            ),
+            (
+                ProblemCode::Validation,
+                Some("params.items[0].load_id"),
+                "load-1 is at rack/d",
+                "cellctl loads",
+            ),
+        ] {
+            let text = problem_text(&problem(code, item, detail));
+            assert!(text.contains("\nHint: ") && text.contains(hint), "{text}");
+        }
+        let other = problem(ProblemCode::Validation, Some("reason"), "reason: is empty");
+        assert_eq!(
+            problem_text(&other),
+            "The request does not fit: reason: is empty"
+        );
+    }
+
+    #[test]
+    fn a_cause_is_said_once() {
+        let said = with_cause(
+            "reading x: (code: 14) no file".to_owned(),
+            "(code: 14) no file",
+        );
+        assert_eq!(said, "reading x: (code: 14) no file");
+        assert_eq!(with_cause("reading x".to_owned(), "why"), "reading x: why");
+    }
 }

@@ -10,6 +10,7 @@ use uuid::Uuid;
 
 use crate::context::Context;
 use crate::failure::Failure;
+use crate::loads::Whereabouts;
 use crate::report::{Exit, Report};
 use crate::text::{self, word};
 
@@ -19,6 +20,7 @@ use crate::text::{self, word};
 ///   cellctl interventions
 ///   cellctl interventions answer 019302d4-7b3f-7c7e-8f3a-2f6f1b0c9d11 retry --reason "the crate was turned"
 ///   cellctl interventions answer 019302d4-7b3f-7c7e-8f3a-2f6f1b0c9d11 choose-slot --place rack/b --reason "rack/a is full"
+///   cellctl interventions answer 019302d4-7b3f-7c7e-8f3a-2f6f1b0c9d11 set-custody --confirm load-1 --on mr1:left --reason "seen"
 #[derive(Args, Debug)]
 #[command(verbatim_doc_comment)]
 pub(crate) struct InterventionsArgs {
@@ -28,8 +30,10 @@ pub(crate) struct InterventionsArgs {
 
 #[derive(Debug, Subcommand)]
 enum InterventionsCommand {
-    /// Answer one.
-    Answer(AnswerArgs),
+    /// List what waits for a person.
+    List,
+    /// Answer one, once and for good.
+    Answer(Box<AnswerArgs>),
 }
 
 #[derive(Args, Debug)]
@@ -44,12 +48,11 @@ struct AnswerArgs {
     /// The mobile robot, for answers that need one.
     #[arg(long, value_name = "ID")]
     mobile_robot: Option<String>,
-    /// The place, for answers that need one; with --confirm, where the load is.
-    #[arg(long, value_name = "PLACE")]
-    place: Option<String>,
-    /// The load's id, for the answer that says where it is (--place).
-    #[arg(long, value_name = "LOAD", requires = "place")]
+    /// The load's id, for the answer that says where it is.
+    #[arg(long, value_name = "LOAD", requires = "where")]
     confirm: Option<String>,
+    #[command(flatten)]
+    at: Whereabouts,
     /// The key that names this answer; a new one where absent.
     #[arg(long, value_name = "KEY", value_parser = NonEmptyStringValueParser::new())]
     key: Option<String>,
@@ -58,15 +61,18 @@ struct AnswerArgs {
 pub(crate) async fn run(args: InterventionsArgs, context: &Context) -> Result<Report, Failure> {
     let cell = context.cell().await?;
     let Some(InterventionsCommand::Answer(args)) = args.command else {
+        // Named or not, it is the list.
         let list = context.client.interventions(&cell).await?;
         return Ok(context.report(Exit::Done, &list, sentences));
     };
-    let (place, custody) = match (args.place, args.confirm) {
-        (Some(place), Some(confirm)) => {
-            let location = LoadLocation::Fixed { place };
-            (None, Some(CustodyAnswer { confirm, location }))
+    let (place, custody) = match (args.at.location(), args.confirm) {
+        (Some(location), Some(confirm)) => (None, Some(CustodyAnswer { confirm, location })),
+        (Some(LoadLocation::Fixed { place }), None) => (Some(place), None),
+        (Some(_), None) => {
+            let why = "--gripper, --on and --delivered say where a load is: name it with --confirm";
+            return Err(Failure::Usage(why.to_owned()));
         }
-        (place, _) => (place, None),
+        (None, _) => (None, None),
     };
     let body = RespondBody {
         answer: args.answer.replace('-', "_"),
@@ -106,7 +112,9 @@ fn sentences(list: &InterventionList) -> String {
             let needs = match allowed.needs {
                 Some(AnswerNeeds::MobileRobot) => " --mobile-robot ID",
                 Some(AnswerNeeds::Place) => " --place PLACE",
-                Some(AnswerNeeds::Custody) => " --place PLACE --confirm LOAD",
+                Some(AnswerNeeds::Custody) => {
+                    " --confirm LOAD and --place PLACE, --on ROBOT:SLOT, --gripper ARM or --delivered ID"
+                }
                 None => "",
             };
             let role = allowed

@@ -2,10 +2,11 @@
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 use api::{
     CompleteOn, Job, JobBody, JobCommand, JobCommandBody, JobItemBody, JobList, JobParams,
-    JobReport, JobState, OnCancelWithLoad, StepState, WorkflowName,
+    JobReason, JobReport, JobState, OnCancelWithLoad, StepState, WorkflowName,
 };
 use clap::builder::NonEmptyStringValueParser;
 use clap::{Args, Subcommand};
@@ -23,16 +24,16 @@ use crate::text::{self, Table, word};
 
 /// Ask for a job of arm and mobile robot together, steer it, see what it took.
 ///
-/// An item is written TYPE:SLOT:PLACE, with the load's id before it where it is known: LOAD=TYPE:SLOT:PLACE. SLOT is the mobile
-/// robot's, PLACE the fixed one.
+/// An item is written TYPE:SLOT:PLACE, with the load's id before it where it is known: LOAD=TYPE:SLOT:PLACE. SLOT is
+/// the mobile robot's, PLACE the fixed one. A job is named by its number in the cell, or by its id.
 ///
 /// Examples:
 ///   cellctl job delivery --point handover/front --item load-1=crate:left:rack/d
-///   cellctl job pickup --point handover/front --item crate:left:rack/a --destination warehouse
+///   cellctl job pickup --point handover/front --item crate:left:rack/a --destination warehouse/gate
 ///   cellctl job simulate delivery --point handover/front --item load-1=crate:left:rack/d --plot phases.svg
 ///   cellctl job list --state HELD
-///   cellctl job hold 019302d4-7b3f-7c7e-8f3a-2f6f1b0c9d11 --reason "a visitor in the aisle"
-///   cellctl job report 019302d4-7b3f-7c7e-8f3a-2f6f1b0c9d11 --plot phases.svg
+///   cellctl job hold 12 --reason "a visitor in the aisle"
+///   cellctl job report 12 --plot phases.svg
 #[derive(Args, Debug)]
 #[command(verbatim_doc_comment)]
 pub(crate) struct JobArgs {
@@ -66,8 +67,9 @@ enum JobWhat {
     },
     /// Show a job: state, phase, steps, what it waits for.
     Show {
-        /// The job's id.
-        id: Uuid,
+        /// The job: its number, or its id.
+        #[arg(value_name = "JOB")]
+        id: JobRef,
     },
     /// Hold a job where it is safe.
     Hold(SteerArgs),
@@ -87,13 +89,15 @@ enum JobWhat {
     },
     /// Tell what happened to a job.
     Events {
-        /// The job's id.
-        id: Uuid,
+        /// The job: its number, or its id.
+        #[arg(value_name = "JOB")]
+        id: JobRef,
     },
     /// Report what a job took: phases, attempts, faults, decisions.
     Report {
-        /// The job's id.
-        id: Uuid,
+        /// The job: its number, or its id.
+        #[arg(value_name = "JOB")]
+        id: JobRef,
         /// Draw the phases over time into this file.
         #[arg(long, value_name = "FILE.svg")]
         plot: Option<PathBuf>,
@@ -171,8 +175,9 @@ struct NewArgs {
 
 #[derive(Args, Debug)]
 struct SteerArgs {
-    /// The job's id.
-    id: Uuid,
+    /// The job: its number, or its id.
+    #[arg(value_name = "JOB")]
+    id: JobRef,
     /// Why, for the record.
     #[arg(long, value_name = "TEXT", value_parser = NonEmptyStringValueParser::new())]
     reason: String,
@@ -181,10 +186,57 @@ struct SteerArgs {
     key: Option<String>,
 }
 
-/// An enum of the API by its word.
+/// A job as people name it.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(crate) enum JobRef {
+    /// By its number in the cell.
+    Number(u64),
+    Id(Uuid),
+}
+
+impl FromStr for JobRef {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let number = text.parse().ok().filter(|number| *number > 0);
+        number
+            .map(Self::Number)
+            .or_else(|| text.parse().ok().map(Self::Id))
+            .ok_or_else(|| {
+                "it is neither a job's number nor its id; `cellctl job list` shows both".to_owned()
+            })
+    }
+}
+
+impl JobRef {
+    /// The id of the job that is meant.
+    ///
+    /// # Errors
+    /// The server cannot be asked, or has no job of this number.
+    pub(crate) async fn id(self, jobs: &Jobs) -> Result<Uuid, Failure> {
+        let number = match self {
+            Self::Id(id) => return Ok(id),
+            Self::Number(number) => number,
+        };
+        // The list goes down from the number that its cursor names.
+        let page = Page {
+            limit: Some(1),
+            cursor: Some(number.saturating_add(1).to_string()),
+        };
+        let found = jobs.list(&[], &page).await?.jobs.into_iter().next();
+        found
+            .filter(|job| job.number == number)
+            .map(|job| job.id)
+            .ok_or(Failure::NoJob { number })
+    }
+}
+
+/// An enum of the API by its word, in capitals or not.
 fn of_word<T: DeserializeOwned>(text: &str) -> Result<T, String> {
-    let value = serde_json::Value::String(text.to_owned());
-    serde_json::from_value(value).map_err(|error| error.to_string())
+    let read = |text: String| serde_json::from_value(serde_json::Value::String(text));
+    read(text.to_owned())
+        .or_else(|error| read(text.to_uppercase().replace('-', "_")).map_err(|_| error))
+        .map_err(|error: serde_json::Error| error.to_string())
 }
 
 fn item(text: &str) -> Result<JobItemBody, String> {
@@ -230,17 +282,23 @@ pub(crate) async fn run(args: JobArgs, context: &Context) -> Result<Report, Fail
             cursor,
         } => {
             let list = jobs.list(&state, &Page { limit, cursor }).await?;
-            Ok(context.report(Exit::Done, &list, table))
+            Ok(context.report(Exit::Done, &list, |list| table(list, &state, limit)))
         }
-        JobWhat::Show { id } => Ok(context.report(Exit::Done, &jobs.get(id).await?, sentences)),
+        JobWhat::Show { id } => {
+            let job = jobs.get(id.id(&jobs).await?).await?;
+            Ok(context.report(Exit::Done, &job, sentences))
+        }
         JobWhat::Hold(to) => steer(&jobs, JobCommand::Hold, to, context).await,
         JobWhat::Unhold(to) => steer(&jobs, JobCommand::Unhold, to, context).await,
         JobWhat::Stop(to) => steer(&jobs, JobCommand::Stop, to, context).await,
         JobWhat::Abort(to) => steer(&jobs, JobCommand::Abort, to, context).await,
         JobWhat::Command { command, steer: to } => steer(&jobs, command, to, context).await,
-        JobWhat::Events { id } => events(&jobs, id, context).await,
+        JobWhat::Events { id } => {
+            let id = id.id(&jobs).await?;
+            events(&jobs, id, context).await
+        }
         JobWhat::Report { id, plot } => {
-            let report = jobs.report(id).await?;
+            let report = jobs.report(id.id(&jobs).await?).await?;
             if let Some(file) = &plot {
                 draw(file, &gantt::svg(&report))?;
             }
@@ -358,7 +416,7 @@ async fn steer(
         key: to.key,
         wait: None,
     };
-    let job = jobs.command(to.id, &body, &ask).await?;
+    let job = jobs.command(to.id.id(jobs).await?, &body, &ask).await?;
     Ok(context.report(Exit::Done, &job, |job| {
         format!(
             "Job {}: {} was taken; it is {}.\n{}",
@@ -396,7 +454,7 @@ async fn events(jobs: &Jobs, id: Uuid, context: &Context) -> Result<Report, Fail
     }))
 }
 
-fn table(list: &JobList) -> String {
+fn table(list: &JobList, states: &[JobState], limit: Option<u32>) -> String {
     if list.jobs.is_empty() {
         return "No job.".to_owned();
     }
@@ -432,7 +490,14 @@ fn table(list: &JobList) -> String {
         ]);
     }
     match &list.next_cursor {
-        Some(cursor) => format!("{table}\nMore: cellctl job list --cursor {cursor}"),
+        Some(cursor) => {
+            let states = states
+                .iter()
+                .map(|state| format!(" --state {}", word(*state)));
+            let limit = limit.map(|limit| format!(" --limit {limit}"));
+            let asked = states.chain(limit).collect::<String>();
+            format!("{table}\nMore: cellctl job list{asked} --cursor {cursor}")
+        }
         None => table.to_string(),
     }
 }
@@ -453,7 +518,11 @@ fn sentences(job: &Job) -> String {
         ),
         (
             "state",
-            format!("{} ({})", word(job.state), word(job.reason)),
+            if job.reason == JobReason::Course {
+                word(job.state)
+            } else {
+                format!("{} ({})", word(job.state), word(job.reason))
+            },
         ),
     ];
     let mut more = |name, value: Option<String>| {
@@ -605,7 +674,19 @@ mod tests {
             Ok(JobCommand::RetryStep)
         );
         assert_eq!(of_word::<JobState>("HELD"), Ok(JobState::Held));
-        assert!(of_word::<JobState>("held").is_err());
+        assert_eq!(of_word::<JobState>("held"), Ok(JobState::Held));
+        assert!(of_word::<JobState>("hold").is_err());
+    }
+
+    #[test]
+    fn a_job_is_named_by_its_number_or_its_id() {
+        assert_eq!("12".parse(), Ok(JobRef::Number(12)));
+        let id = Uuid::from_u128(7);
+        assert_eq!(id.to_string().parse(), Ok(JobRef::Id(id)));
+        for wrong in ["", "0", "-1", "1.5", "019302d4"] {
+            let error = wrong.parse::<JobRef>().unwrap_err();
+            assert!(error.contains("cellctl job list"), "{wrong}: {error}");
+        }
     }
 
     #[test]

@@ -8,7 +8,7 @@ use clap::{Args, Subcommand};
 use journal::{Digest, Head, Position, VerifyError};
 use serde::Serialize;
 
-use crate::failure::Failure;
+use crate::failure::{Failure, with_cause};
 use crate::report::{Exit, Report};
 
 /// Check a journal file, or write it out.
@@ -50,7 +50,7 @@ enum JournalCommand {
     },
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Default, Serialize)]
 struct Verified {
     holds: bool,
     /// Records that are there.
@@ -90,6 +90,9 @@ pub(crate) async fn run(args: JournalArgs, json: bool) -> Result<Report, Failure
 }
 
 async fn verify(file: &Path, known: Option<Head>, archives: &[PathBuf], json: bool) -> Report {
+    if !file.exists() {
+        return missing(file, json);
+    }
     let archived = match proved(archives) {
         Ok(archived) => archived,
         Err(report) => return report,
@@ -133,6 +136,24 @@ async fn verify(file: &Path, known: Option<Head>, archives: &[PathBuf], json: bo
         None => Report::text(exit, &sentence(&verified)),
         Some(problem) => Report::error(exit, &format!("cellctl: {}: {problem}", file.display())),
     }
+}
+
+/// The database's own words for a file that is not there tell nobody so.
+fn missing(file: &Path, json: bool) -> Report {
+    let problem = "there is no such file; `[journal] path` of the configuration names the journal";
+    if json {
+        return Report::json(
+            Exit::Link,
+            &Verified {
+                problem: Some(problem.to_owned()),
+                ..Verified::default()
+            },
+        );
+    }
+    Report::error(
+        Exit::Link,
+        &format!("cellctl: {}: {problem}", file.display()),
+    )
 }
 
 /// What was checked, what it proves, and what it cannot.
@@ -265,8 +286,7 @@ fn broken(error: &VerifyError) -> Verified {
     let mut problem = error.to_string();
     let mut cause = std::error::Error::source(error);
     while let Some(source) = cause {
-        problem.push_str(": ");
-        problem.push_str(&source.to_string());
+        problem = with_cause(problem, &source.to_string());
         cause = source.source();
     }
     let first_broken = match error {

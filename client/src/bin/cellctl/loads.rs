@@ -2,7 +2,7 @@
 
 use api::{CustodyBody, LoadDetail, LoadList, LoadLocation, SessionList};
 use clap::builder::NonEmptyStringValueParser;
-use clap::{ArgGroup, Args, Subcommand};
+use clap::{Args, Subcommand};
 
 use crate::context::Context;
 use crate::failure::Failure;
@@ -25,6 +25,8 @@ pub(crate) struct LoadsArgs {
 
 #[derive(Debug, Subcommand)]
 enum LoadsCommand {
+    /// List where every load is.
+    List,
     /// Show a load and how it came to where it is.
     Show {
         /// The load's id.
@@ -35,28 +37,35 @@ enum LoadsCommand {
 }
 
 #[derive(Args, Debug)]
-#[command(group = ArgGroup::new("where").required(true).args(["place", "gripper", "on", "delivered"]))]
 struct SetArgs {
     /// The load's id.
     id: String,
     /// The load's id once more.
-    #[arg(long, value_name = "ID")]
+    #[arg(long, value_name = "ID", requires = "where")]
     confirm: String,
-    /// It is at this fixed place.
-    #[arg(long, value_name = "PLACE")]
-    place: Option<String>,
-    /// It is in the gripper of this arm.
-    #[arg(long, value_name = "ARM")]
-    gripper: Option<String>,
-    /// It is on a mobile robot: ROBOT:SLOT.
-    #[arg(long, value_name = "ROBOT:SLOT", value_parser = on)]
-    on: Option<(String, String)>,
-    /// It was delivered to this destination.
-    #[arg(long, value_name = "ID")]
-    delivered: Option<String>,
+    #[command(flatten)]
+    at: Whereabouts,
     /// How you know, for the record.
     #[arg(long, value_name = "TEXT", value_parser = NonEmptyStringValueParser::new())]
     reason: String,
+}
+
+/// Where a load is, as a person says it.
+#[derive(Args, Debug)]
+#[group(id = "where", multiple = false)]
+pub(crate) struct Whereabouts {
+    /// At this fixed place.
+    #[arg(long, value_name = "PLACE")]
+    place: Option<String>,
+    /// In the gripper of this arm.
+    #[arg(long, value_name = "ARM")]
+    gripper: Option<String>,
+    /// On a mobile robot: ROBOT:SLOT.
+    #[arg(long, value_name = "ROBOT:SLOT", value_parser = on)]
+    on: Option<(String, String)>,
+    /// Delivered to this destination.
+    #[arg(long, value_name = "ID")]
+    delivered: Option<String>,
 }
 
 fn on(text: &str) -> Result<(String, String), String> {
@@ -68,8 +77,8 @@ fn on(text: &str) -> Result<(String, String), String> {
     }
 }
 
-impl SetArgs {
-    fn location(&self) -> Option<LoadLocation> {
+impl Whereabouts {
+    pub(crate) fn location(&self) -> Option<LoadLocation> {
         match (&self.place, &self.gripper, &self.on, &self.delivered) {
             (Some(place), _, _, _) => Some(LoadLocation::Fixed {
                 place: place.clone(),
@@ -90,12 +99,14 @@ impl SetArgs {
 pub(crate) async fn run(args: LoadsArgs, context: &Context) -> Result<Report, Failure> {
     let jobs = context.client.jobs(&context.cell().await?);
     match args.command {
-        None => Ok(context.report(Exit::Done, &jobs.loads().await?, table)),
+        None | Some(LoadsCommand::List) => {
+            Ok(context.report(Exit::Done, &jobs.loads().await?, table))
+        }
         Some(LoadsCommand::Show { id }) => {
             Ok(context.report(Exit::Done, &jobs.load(&id).await?, detail))
         }
         Some(LoadsCommand::Set(set)) => {
-            let location = set.location().ok_or_else(|| {
+            let location = set.at.location().ok_or_else(|| {
                 Failure::Usage("say where it is: --place, --gripper, --on or --delivered".into())
             })?;
             let body = CustodyBody {

@@ -29,6 +29,8 @@ pub(crate) struct MobileRobotArgs {
 
 #[derive(Debug, Subcommand)]
 enum MobileRobotCommand {
+    /// List the mobile robots.
+    List,
     /// Show what a mobile robot last told, and what it has been told.
     Show {
         /// The mobile robot's id.
@@ -85,7 +87,7 @@ impl From<Word> for InstantActionName {
 pub(crate) async fn run(args: MobileRobotArgs, context: &Context) -> Result<Report, Failure> {
     let cell = context.cell().await?;
     match args.command {
-        None => {
+        None | Some(MobileRobotCommand::List) => {
             let robots = context.client.mobile_robots(&cell).await?;
             Ok(context.report(Exit::Done, &robots, |robots| table(robots)))
         }

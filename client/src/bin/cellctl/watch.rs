@@ -10,6 +10,7 @@ use uuid::Uuid;
 
 use crate::context::Context;
 use crate::failure::Failure;
+use crate::job::JobRef;
 use crate::report::{Exit, Report};
 
 /// Follow what happens in the cell, one line for each event, until Ctrl-C.
@@ -20,14 +21,14 @@ use crate::report::{Exit, Report};
 ///
 /// Examples:
 ///   cellctl watch
-///   cellctl watch --job 019302d4-7b3f-7c7e-8f3a-2f6f1b0c9d11 --from 0-0
+///   cellctl watch --job 12 --from 0-0
 ///   cellctl --json watch --types robocell.motion,robocell.load | jq .data.text
 #[derive(Args, Debug)]
 #[command(verbatim_doc_comment)]
 pub(crate) struct WatchArgs {
-    /// Only what belongs to this job.
-    #[arg(long, value_name = "ID")]
-    job: Option<Uuid>,
+    /// Only what belongs to this job: its number, or its id.
+    #[arg(long, value_name = "JOB")]
+    job: Option<JobRef>,
     /// Begin behind this event, `<epoch>-<position>`; 0-0 begins with the oldest that is kept.
     #[arg(long, value_name = "ID")]
     from: Option<String>,
@@ -38,17 +39,21 @@ pub(crate) struct WatchArgs {
 
 pub(crate) async fn run(args: WatchArgs, context: &Context) -> Result<Report, Failure> {
     let cell = context.cell().await?;
+    let job = match args.job {
+        Some(job) => Some(job.id(&context.client.jobs(&cell)).await?),
+        None => None,
+    };
     let live = !context.json() && io::stdout().is_terminal();
     let query = EventsQuery {
         from: args.from,
         types: args.types,
-        job: args.job,
+        job,
         status: live,
     };
     let mut stream = context.client.events(&cell, query);
     let mut screen = Screen {
         json: context.json(),
-        job: args.job,
+        job,
         ..Screen::default()
     };
     loop {
@@ -167,14 +172,11 @@ fn lines_of(status: &CellStatus, only: Option<Uuid>) -> String {
     for point in &status.points {
         line(&mut text, &point_line(point));
     }
-    let loads: Vec<_> = status
-        .loads
-        .iter()
+    let loads = status.loads.iter();
+    let loads: Vec<_> = loads
         .map(|load| format!("{}: {}", load.load, load.at))
         .collect();
-    if !loads.is_empty() {
-        line(&mut text, &format!("loads  {}", loads.join(" | ")));
-    }
+    rows(&mut text, "loads", &loads);
     for question in &status.questions {
         line(&mut text, &format!("a person is needed: {question}"));
     }
@@ -191,6 +193,28 @@ fn line(text: &mut String, line: &str) {
         text.push('\u{2026}');
     }
     text.push('\n');
+}
+
+/// As many items a line as it holds, each line under the first.
+fn rows(text: &mut String, name: &str, items: &[String]) {
+    let indent = " ".repeat(name.len());
+    let mut row = String::new();
+    let mut name = name;
+    for item in items {
+        if !row.is_empty() && row.chars().count() + 3 + item.chars().count() > WIDTH {
+            line(text, &row);
+            row.clear();
+        }
+        if row.is_empty() {
+            row = format!("{name}  {item}");
+            name = &indent;
+        } else {
+            row = format!("{row} | {item}");
+        }
+    }
+    if !row.is_empty() {
+        line(text, &row);
+    }
 }
 
 fn job_line(job: &JobStatus) -> String {
@@ -227,6 +251,8 @@ fn point_line(point: &PointStatus) -> String {
 
 #[cfg(test)]
 mod tests {
+    use api::LoadStatus;
+
     use super::*;
 
     #[test]
@@ -250,7 +276,12 @@ mod tests {
                 mr_move_permit: false,
                 session: Some("TRANSFERRING".to_owned()),
             }],
-            loads: Vec::new(),
+            loads: (1..=4)
+                .map(|n| LoadStatus {
+                    load: format!("load-{n}"),
+                    at: "delivered to gate".to_owned(),
+                })
+                .collect(),
             questions: vec![format!("F4 \x1b[2J{}", "x".repeat(100))],
         };
         let text = lines_of(&status, None);
@@ -260,7 +291,14 @@ mod tests {
             lines[2],
             "point handover/front  ARM_ENTRY=1 MR_MOVE=0  TRANSFERRING"
         );
-        assert_eq!(lines[3].chars().count(), WIDTH + 1);
+        // Nothing of where the loads are is cut off.
+        let all = lines[3..5].join(" | ");
+        for n in 1..=4 {
+            let load = format!("load-{n}: delivered to gate");
+            assert!(all.contains(&load), "{text}");
+        }
+        assert!(lines[4].starts_with("       load-3"), "{text}");
+        assert_eq!(lines[5].chars().count(), WIDTH + 1);
         assert!(!text.contains('\x1b'));
         let other = lines_of(&status, Some(Uuid::from_u128(2)));
         assert!(!other.contains("job 3"), "{other}");
