@@ -6,7 +6,7 @@
 
 use std::num::NonZeroUsize;
 
-use crate::batch::{Group, solve_group_with};
+use crate::batch::{Display, Group, solve_group_with};
 use crate::joints::Axis;
 use crate::lanes::{LANES, Simd, dispatch};
 use crate::limits::ROUNDING_DEG;
@@ -84,9 +84,10 @@ impl ArmModel {
                 (limits.max.0 + ROUNDING_DEG).to_radians(),
             )
         });
+        let display = Display::of(self);
         let mut group = Group::none();
         for (poses, map) in poses.chunks(LANES).zip(map.chunks_mut(LANES)) {
-            solve_group_with(simd, self, poses, &mut group);
+            solve_group_with(simd, self, &display, poses, &mut group);
             for (reach, (solutions, inside)) in map.iter_mut().zip(group.count(simd, &limits)) {
                 *reach = Reach { solutions, inside };
             }
