@@ -109,13 +109,17 @@ const ROWS: &[Row] = &[
         "ERR_DATA(i1, i2, {vt}, i3, t2, i2, i3, t1)", "ABORT PROGRAM[{i}]", "PAUSE PROGRAM[{i}]", "CONTINUE PROGRAM[{i}]",
         "APPEND_NODE({pa}, i1)", "INSERT_NODE({pa}, {at3}, i1)", "DELETE_NODE({pa}, {i}, i1)", "COPY_PATH(way, {small}, {small}, path2, i1)",
         "way[{at3}].node_pos = {q}", "route[{at3}].n = {i}", "route[{at3}].spot = {q}", "route.t = {t}", "nums[{at3}] = {i}",
-        "IF PATH_LEN(route) > 0 THEN\n{vI} = route[1].n\nENDIF", "grow(route, {small})", "USING route[{at3}] DO\nn = {i}\n{l}ENDUSING",
+        "IF PATH_LEN(route) > 0 THEN\n{vI} = route[1].n\nENDIF", "grow(route, {small})", "grow(boxes[{at3}].trips[{at2}], {small})", "boxes[{at3}].trips[{at2}][{at3}].n = {i}", "nest({small})",
+        "COPY_PATH(route, {small}, {small}, boxes[{at3}].trips[{at2}], i1)", "SAVE('FUZZED', {file}, i1)", "LOAD({file}, 0, i1)", "CLEAR('FUZZED.VR', i1)",
+        "CLEAR({t}, i1)", "CREATE_TPE({t}, 1, i1)", "SAVE_DRAM({task}, i1)", "i1 = GET_USEC_SUB(GET_USEC_TIM, {i})",
+        "ADD_DICT({file}, {t}, '', 0, i1)", "WRITE_DICT_V(TPDISPLAY, {t}, {at3}, at, i1)", "POST_ERR_L({i}, {t}, {i}, 0)", "V_RUN_FIND({t}, {i}, i1)",
+        "USING route[{at3}] DO\nn = {i}\n{l}ENDUSING",
         "INIT_QUEUE(qu)", "APPEND_QUEUE({i}, qu, qd, i2, i1)", "GET_QUEUE(qu, qd, {vI}, i1, i2)", "INSERT_QUEUE({i}, {i}, qu, qd, i1)",
         "DELETE_QUEUE({small}, qu, qd, i1)", "MODIFY_QUEUE({i}, {small}, qu, qd, i1)", "COPY_QUEUE(qu, qd, {small}, {small}, ao, i2, i1)",
         "FORCE_SPMENU(TP_PANEL, SPI_TPUSER, 1)", "SET_LANG({t}, i1)", "bump", "far_count = far_count + {i}"]),
     ("mt", &["JOINT", "LINEAR", "CIRCULAR"]),
     ("tt", &["FINE", "COARSE", "NOSETTLE", "NODECEL", "VARDECEL"]),
-    ("pa", &["way", "route", "nums", "path2"]),
+    ("pa", &["way", "route", "nums", "path2", "box1.way", "boxes[{at3}].trips[{at2}]"]),
     ("nd", &["AT NODE[{small}]", "AT NODE[*]", "TIME {small} AFTER NODE[{at3}]", "TIME {small} BEFORE NODE[{at3}]", "{c}"]),
     ("j1", &["j1", "j2"]),
     // Conditions and actions of handlers.
@@ -147,7 +151,13 @@ TYPE
     spot : POSITION
   ENDSTRUCTURE
   trip = PATH PATHHEADER = rec, NODEDATA = stop
+  box = STRUCTURE
+    way : PATH
+    trips : ARRAY[2] OF trip
+  ENDSTRUCTURE
 VAR
+  box1 IN CMOS : box
+  boxes : ARRAY[3] OF box
   way, path2 : PATH
   route : trip
   nums : PATH NODEDATA = INTEGER
@@ -214,6 +224,17 @@ BEGIN
   p[PATH_LEN(p)].n = n
   p[PATH_LEN(p)].spot = CURPOS(0, 0)
 END grow
+ROUTINE nest(n : INTEGER)
+VAR
+  own : trip
+  more : ARRAY[2] OF box
+BEGIN
+  grow(own, n)
+  grow(more[2].trips[1], n)
+  IF n > 0 THEN
+    nest((n - 1))
+  ENDIF
+END nest
 ROUTINE count_down(n : INTEGER)
 BEGIN
   IF n > 0 THEN

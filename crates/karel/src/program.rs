@@ -1,9 +1,6 @@
 //! A program that was parsed, checked and lowered.
 
-use std::{
-    collections::{BTreeMap, HashMap},
-    sync::Arc,
-};
+use std::{collections::BTreeMap, sync::Arc};
 
 use crate::{
     check,
@@ -26,11 +23,11 @@ pub struct Program {
     name: Arc<str>,
     warnings: Vec<Diagnostic>,
     pub(crate) code: Code,
-    pub(crate) globals: HashMap<String, (u32, Type)>,
+    pub(crate) globals: BTreeMap<String, (u32, Type)>,
     pub(crate) global_cells: u32,
     pub(crate) global_files: Vec<u32>,
     /// Types that it declares.
-    pub(crate) types: HashMap<String, Type>,
+    pub(crate) types: BTreeMap<String, Type>,
     /// PATH variables, and the size of a node of each.
     pub(crate) global_paths: Vec<(u32, u32)>,
     /// FILE variables that are windows of the pendant.
@@ -139,8 +136,8 @@ impl Program {
             name,
             warnings: Vec::new(),
             code,
-            globals: HashMap::new(),
-            types: HashMap::new(),
+            globals: BTreeMap::new(),
+            types: BTreeMap::new(),
             global_cells: 0,
             global_files: Vec::new(),
             global_paths: Vec::new(),

@@ -6,6 +6,7 @@
     reason = "a helper that fails stops its test"
 )]
 
+pub(crate) mod panel;
 pub(crate) mod tp;
 pub(crate) mod wire;
 pub(crate) mod world;

@@ -15,7 +15,7 @@ mod transfer;
 mod using;
 mod written_type;
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use crate::{
     ast,
@@ -35,7 +35,7 @@ pub(crate) use scope::nearest;
 pub(crate) struct Checked {
     pub(crate) name: String,
     /// Variables of the program by name: first cell and type.
-    pub(crate) globals: HashMap<String, (u32, Type)>,
+    pub(crate) globals: BTreeMap<String, (u32, Type)>,
     pub(crate) global_cells: u32,
     /// Cells of the globals that are FILE variables.
     pub(crate) global_files: Vec<u32>,
@@ -44,7 +44,7 @@ pub(crate) struct Checked {
     /// Cells of the FILE variables that are windows of the pendant.
     pub(crate) windows: Vec<u32>,
     /// Types by name.
-    pub(crate) types: HashMap<String, Type>,
+    pub(crate) types: BTreeMap<String, Type>,
     /// Names of the variables that keep their values without power.
     pub(crate) persistent: Vec<String>,
     /// Variables of other programs.

@@ -1,6 +1,6 @@
 //! Names of one scope: variables, constants and types.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use crate::{
     typed::{Constant, Root},
@@ -67,8 +67,8 @@ impl Scope {
         }
     }
 
-    /// The types, for look-up by name at run time.
-    pub(super) fn types(&self) -> HashMap<String, Type> {
+    /// The types, for look-up by name at run time, in an order that is always the same.
+    pub(super) fn types(&self) -> BTreeMap<String, Type> {
         let types = self
             .symbols
             .iter()
@@ -79,8 +79,8 @@ impl Scope {
         types.collect()
     }
 
-    /// The global variables, for look-up by name at run time.
-    pub(super) fn into_variables(self) -> HashMap<String, (u32, Type)> {
+    /// The global variables, for look-up by name at run time and for lists, in an order that is always the same.
+    pub(super) fn into_variables(self) -> BTreeMap<String, (u32, Type)> {
         let variable = |(name, symbol)| match symbol {
             Symbol::Variable {
                 root: Root::Global(cell),

@@ -154,7 +154,11 @@ impl Parser<'_> {
             });
         }
         if !self.at_separator() && self.peek().kind != TokenKind::EndOfFile {
-            return Err(self.expected("`=`, `(` or the end of the statement"));
+            let name = &path.root.text;
+            let message = format!("`{name}` is no statement; with `=` or `(` it could be one");
+            let found = self.expected("`=`, `(` or the end of the statement");
+            self.reports.help(&message);
+            return Err(found);
         }
         Ok(StmtKind::Call {
             name: path.root,

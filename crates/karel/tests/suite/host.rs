@@ -66,6 +66,11 @@ pub(crate) struct ScriptedHost {
 }
 
 impl ScriptedHost {
+    /// The bytes of a file of the device `FR:`.
+    pub(crate) fn file(&self, name: &str) -> Vec<u8> {
+        self.files.get(name).cloned().unwrap_or_default()
+    }
+
     pub(crate) fn new(script: Vec<Event>) -> ScriptedHost {
         let zero = Value::Position(Position::default());
         let variables = [("$UTOOL", zero.clone()), ("$UFRAME", zero)];

@@ -421,3 +421,28 @@ END t
         assert_eq!(error.status, karel::Status(12_307), "{error}");
     }
 }
+
+/// Found by the fuzzer: the lines of a saved file were in another order each time.
+#[test]
+fn variables_are_saved_in_the_same_order_each_time() {
+    let source = b"PROGRAM t
+VAR
+  zulu, alpha, kilo, mike, beta : PATH NODEDATA = INTEGER
+  status : INTEGER
+BEGIN
+  SAVE('T', 'FR:T.VR', status)
+END t
+";
+    let saved = || {
+        let (mut machine, task) = machine_with(source, "t.kl");
+        let mut host = ScriptedHost::new(Vec::new());
+        run(&mut machine, task, &mut host);
+        host.file("FR:T.VR")
+    };
+    let first = saved();
+    assert!(
+        first.starts_with(b"-- variables of T\r\n[T]ALPHA nodes 0"),
+        "{first:?}"
+    );
+    assert_eq!(first, saved());
+}
