@@ -3,34 +3,9 @@
 
 mod common;
 
-use common::panel::Panel;
+use common::panel::{COUNTER, Panel};
 use common::{config_of, http};
 use serde_json::{Value, json};
-
-const COUNTER: &str = "PROGRAM counter
-TYPE
-  cfg_t = STRUCTURE
-    checked : BOOLEAN
-    name : STRING[8]
-  ENDSTRUCTURE
-VAR
-  n : INTEGER
-  x : REAL
-  cfg : cfg_t
-  table : ARRAY[3] OF INTEGER
-  p : XYZWPR
-ROUTINE wait_a_bit
-BEGIN
-  DELAY 100
-END wait_a_bit
-BEGIN
-  n = 0
-  WHILE n < 1000 DO
-    n = n + 1
-    wait_a_bit
-  ENDWHILE
-END counter
-";
 
 #[tokio::test]
 async fn tasks_are_shown_with_their_call_stack_and_pause_step_and_end() {

@@ -2,35 +2,10 @@
 
 mod common;
 
-use common::panel::{Panel, controlled};
+use common::panel::{COUNTER, Panel, controlled};
 use common::{ACCEPTED, LINE, Stepped, call, config_of, http, http_get, sock_server, within};
 use karel_emulator::{Clock, ControlAccess, PeerLabels, VirtualController};
 use serde_json::{Value, json};
-
-const COUNTER: &str = "PROGRAM counter
-TYPE
-  cfg_t = STRUCTURE
-    checked : BOOLEAN
-    name : STRING[8]
-  ENDSTRUCTURE
-VAR
-  n : INTEGER
-  x : REAL
-  cfg : cfg_t
-  table : ARRAY[3] OF INTEGER
-  p : XYZWPR
-ROUTINE wait_a_bit
-BEGIN
-  DELAY 100
-END wait_a_bit
-BEGIN
-  n = 0
-  WHILE n < 1000 DO
-    n = n + 1
-    wait_a_bit
-  ENDWHILE
-END counter
-";
 
 #[tokio::test]
 async fn the_operators_switches_pause_what_moves_and_alarms_are_reset() {

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use kinematics::{ArmModel, Axis, PendantJoints, Pose};
-use planning::jerk::{MotionLimits, Progress};
+use kinematics::{ArmModel, PendantJoints, Pose};
+use planning::jerk::{Progress, straight_in_joint_space};
 use units::MmPerSec;
 
 /// `$SPEEDLIM`: the `$SPEED` at which a joint motion runs its slowest-limited axis at full speed.
@@ -18,11 +18,6 @@ pub const INTERPOLATION_PERIOD_S: f64 = 0.008;
 
 /// Places of a way at which its speed is measured.
 const SPEED_SAMPLES: f64 = 200.0;
-
-/// A shorter way of every axis is none: the arm stands still for one interpolation period and is there.
-///
-/// ASSUMPTION: far below what the encoders of a motor tell apart, and above the rounding of inverse kinematics.
-const RESOLUTION_DEG: f64 = 1e-9;
 
 /// A way with a synchronized, jerk-limited progress.
 #[derive(Clone, Debug)]
@@ -62,6 +57,9 @@ impl Path {
     }
 
     /// As [`Self::joint`], at these parts of the maximum speeds, and of the maximum accelerations and jerks.
+    ///
+    /// ASSUMPTION: a way of every axis of less than 1e-9 degrees is none: the arm stands still for one interpolation period
+    /// and is there. That is far below what the encoders of a motor tell apart, and above the rounding of inverse kinematics.
     #[must_use]
     pub fn joint_at(
         model: &ArmModel,
@@ -70,33 +68,11 @@ impl Path {
         speed: f64,
         acceleration: f64,
     ) -> Self {
-        let travels = from.degrees().into_iter().zip(to.degrees());
-        let travels = travels.map(|(start, end)| (end - start).abs());
-        let way = travels.clone().fold(0.0, f64::max);
-        // Of the axis that goes farthest: the others have their parts of it.
-        let mut limits = MotionLimits {
-            velocity: f64::INFINITY,
-            acceleration: f64::INFINITY,
-            jerk: f64::INFINITY,
-        };
-        for (axis, travel) in Axis::ALL.into_iter().zip(travels) {
-            if travel > 0.0 {
-                let part = way / travel;
-                let velocity = model.max_speed(axis).0 * speed * part;
-                limits.velocity = limits.velocity.min(velocity);
-                let hardest = model.max_acceleration(axis).0 * acceleration * part;
-                limits.acceleration = limits.acceleration.min(hardest);
-                limits.jerk = limits
-                    .jerk
-                    .min(model.max_jerk(axis).0 * acceleration * part);
-            }
-        }
-        let progress = (way > RESOLUTION_DEG).then(|| Progress::try_new(way, limits));
         Self {
             from,
             to,
             line: Line::Joint,
-            progress: progress.flatten(),
+            progress: straight_in_joint_space(model, (&from, &to), speed, acceleration),
         }
     }
 
@@ -278,6 +254,8 @@ fn between(from: &PendantJoints, to: &PendantJoints, share: f64) -> PendantJoint
 
 #[cfg(test)]
 mod tests {
+    use kinematics::Axis;
+
     use super::*;
 
     #[test]

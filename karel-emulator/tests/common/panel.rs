@@ -7,6 +7,32 @@ use serde_json::Value;
 
 use super::{Stepped, http};
 
+/// Counts to a thousand, ten times a second, and has variables of several types.
+pub(crate) const COUNTER: &str = "PROGRAM counter
+TYPE
+  cfg_t = STRUCTURE
+    checked : BOOLEAN
+    name : STRING[8]
+  ENDSTRUCTURE
+VAR
+  n : INTEGER
+  x : REAL
+  cfg : cfg_t
+  table : ARRAY[3] OF INTEGER
+  p : XYZWPR
+ROUTINE wait_a_bit
+BEGIN
+  DELAY 100
+END wait_a_bit
+BEGIN
+  n = 0
+  WHILE n < 1000 DO
+    n = n + 1
+    wait_a_bit
+  ENDWHILE
+END counter
+";
+
 /// The same, with its control interface on a free port.
 pub(crate) fn controlled(mut config: ControllerConfig) -> ControllerConfig {
     config.panel = Some(([127, 0, 0, 1], 0).into());

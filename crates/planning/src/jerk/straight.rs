@@ -5,7 +5,8 @@ use kinematics::{ArmModel, Axis, PendantJoints};
 use super::joint_move::MotionLimits;
 use super::progress::Progress;
 
-/// A shorter way of every joint is none, degrees.
+/// A shorter way of every joint is none, degrees: far below what the encoders of a motor tell apart, and above the
+/// rounding of inverse kinematics.
 const RESOLUTION_DEG: f64 = 1e-9;
 
 /// The fastest progress of all joints together from `from` to `to`, in degrees of the joint that goes farthest, at these

@@ -365,6 +365,11 @@ fn f03_a_mobile_robot_that_ignores_retry_is_asked_about_again_and_can_be_given_u
             assert!(question.answers.contains(&way), "{question:?}");
         }
     }
+    cancel(&mut w, job);
+}
+
+/// The question is answered with the end of the job, and what the job had is free soon after.
+fn cancel(w: &mut World, job: Uuid) {
     let _reply = w.answer(Answer::Cancel, Detail::None).unwrap();
     assert!(w.run(120_000, |w| w.state(job) == JobState::Stopped));
     assert!(
@@ -379,13 +384,7 @@ fn f03_a_mobile_robot_that_ignores_retry_is_asked_about_again_and_can_be_given_u
 fn f03_a_mobile_robot_that_gave_up_in_the_zone_may_leave_it() {
     let mut w = World::new();
     let job = until_dock_question(&mut w);
-    let _reply = w.answer(Answer::Cancel, Detail::None).unwrap();
-    assert!(w.run(120_000, |w| w.state(job) == JobState::Stopped));
-    assert!(
-        w.run(60_000, |w| w.cell.claims().is_empty()),
-        "{}",
-        w.story()
-    );
+    cancel(&mut w, job);
     let got = &m1(&mut w).got;
     let canceled = got
         .iter()
