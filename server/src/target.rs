@@ -9,7 +9,7 @@ use kinematics::{
 };
 use protocol::{CommandError, Item, MAX_SPEED, MIN_SPEED, MoveCommand, WireMove};
 use thiserror::Error;
-use units::{Degrees, MmPerSec};
+use units::{Degrees, Millimeters, MmPerSec};
 
 use crate::config::RobotPlan;
 use crate::wire_bodies::shown;
@@ -155,6 +155,20 @@ pub(crate) fn sent_point(wire: &WireMove) -> Xyzwpr {
         speed: _,
     } = wire.command();
     Xyzwpr { x, y, z, w, p, r }
+}
+
+/// The point that lies so far from one that was sent, number by number.
+pub(crate) fn moved_by(sent: &WireMove, change: [f64; 6]) -> Xyzwpr {
+    let from = sent_point(sent);
+    let [x, y, z, w, p, r] = change;
+    Xyzwpr {
+        x: from.x + Millimeters(x),
+        y: from.y + Millimeters(y),
+        z: from.z + Millimeters(z),
+        w: from.w + Degrees(w),
+        p: from.p + Degrees(p),
+        r: from.r + Degrees(r),
+    }
 }
 
 /// Why a move is not sent. Every variant is the caller's to correct.

@@ -63,31 +63,14 @@ impl Work<'_> {
             by,
             resources: vec![Resource::MobileRobot(other.to_owned())],
         });
-        self.redispatch_steps(job);
+        let begun = |state| state != StepState::Pending;
+        for phase in [Phase::Call, Phase::Await] {
+            self.begin_anew(job, phase, "another mobile robot", begun);
+        }
         self.emit(Fact::SessionHandedOn {
             session: session.id,
             mobile_robot: other.to_owned(),
         });
-    }
-
-    pub(crate) fn redispatch_steps(&mut self, job: &Job) {
-        for phase in [Phase::Call, Phase::Await] {
-            if let Some(step) = job.find(phase)
-                && job
-                    .step(step)
-                    .is_some_and(|s| s.state != StepState::Pending)
-            {
-                let to = StepState::Pending;
-                let text = "another mobile robot".to_owned();
-                self.emit(Fact::StepMoved {
-                    job: job.id,
-                    step,
-                    to,
-                    attempt: 0,
-                    text,
-                });
-            }
-        }
     }
 
     /// F2: once more if it is on its way, then a new order, then a human.

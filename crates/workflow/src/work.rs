@@ -10,6 +10,7 @@ use crate::faults::Fault;
 use crate::ids::{IdSource, Millis};
 use crate::input::{Decision, Input, Refusal, Reply};
 use crate::intervention::{Answer, Question};
+use crate::job::phase::Phase;
 use crate::job::{Job, JobState, StepState, Why};
 use crate::session::{Session, SessionState};
 use crate::signal::Message;
@@ -166,6 +167,26 @@ impl<'a> Work<'a> {
             attempt,
             text: text.to_owned(),
         });
+    }
+
+    /// The step of a phase waits anew from its beginning, if its state is one of `these`.
+    pub(crate) fn begin_anew(
+        &mut self,
+        job: &Job,
+        phase: Phase,
+        text: &str,
+        these: impl Fn(StepState) -> bool,
+    ) {
+        let Some(step) = job.find(phase) else { return };
+        if job.step(step).is_some_and(|s| these(s.state)) {
+            self.emit(Fact::StepMoved {
+                job: job.id,
+                step,
+                to: StepState::Pending,
+                attempt: 0,
+                text: text.to_owned(),
+            });
+        }
     }
 
     pub(crate) fn move_session(&mut self, session: &Session, to: SessionState) {

@@ -2,13 +2,11 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use api::{LinkState, Outcome, ProblemCode};
-use kinematics::Xyzwpr;
 use protocol::{Reply, WireMove};
 use tokio::sync::{mpsc, watch};
 use tokio::time::Instant;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
-use units::{Degrees, Millimeters};
 use uuid::Uuid;
 
 use super::seed::{Answered, Drained, Exchange, drain};
@@ -18,7 +16,7 @@ use crate::config::RobotPlan;
 use crate::metrics::LinkMetrics;
 use crate::motions::{Asked, End, Entry, Motions, Permit};
 use crate::request_id::RequestId;
-use crate::target::{Prepared, sent_point};
+use crate::target::{Prepared, moved_by};
 
 /// For how long after an answer a refused connection means that the controller is reopening its tag.
 ///
@@ -244,16 +242,7 @@ impl<C: Connector> Task<C> {
         let Base::Target(base) = base else {
             return Err(Answer::NoBase(base));
         };
-        let from = sent_point(&base);
-        let [dx, dy, dz, dw, dp, dr] = change;
-        let point = Xyzwpr {
-            x: from.x + Millimeters(dx),
-            y: from.y + Millimeters(dy),
-            z: from.z + Millimeters(dz),
-            w: from.w + Degrees(dw),
-            p: from.p + Degrees(dp),
-            r: from.r + Degrees(dr),
-        };
+        let point = moved_by(&base, change);
         self.owner
             .plan
             .prepare_point(&point, speed)

@@ -11,10 +11,9 @@ use api::{
 use axum::Json;
 use axum::extract::{FromRequest, FromRequestParts, Query, Request, State};
 use axum::http::request::Parts;
-use kinematics::Xyzwpr;
 use protocol::{MAX_SPEED, MIN_SPEED};
 use serde::de::DeserializeOwned;
-use units::{Degrees, Millimeters, MmPerSec};
+use units::MmPerSec;
 
 use super::legacy_error::LegacyError;
 use super::motion_zones;
@@ -27,7 +26,7 @@ use crate::motions::{Accepted, Asked, CommandFailure};
 use crate::problem::Problem;
 use crate::request_id::RequestId;
 use crate::state::{App, RobotLink, shown};
-use crate::target::{Prepared, Refusal, sent_point};
+use crate::target::{Prepared, Refusal, moved_by, sent_point};
 use crate::wire_bodies::{legacy_point, point_of_legacy};
 
 const POINT: [&str; 6] = ["x", "y", "z", "w", "p", "r"];
@@ -138,16 +137,7 @@ fn check_delta(app: &App, change: [f64; 6], speed: MmPerSec) -> Result<(), Legac
     let Base::Target(from) = link.status().base else {
         return Ok(());
     };
-    let from = sent_point(&from);
-    let [x, y, z, w, p, r] = change;
-    let target = Xyzwpr {
-        x: from.x + Millimeters(x),
-        y: from.y + Millimeters(y),
-        z: from.z + Millimeters(z),
-        w: from.w + Degrees(w),
-        p: from.p + Degrees(p),
-        r: from.r + Degrees(r),
-    };
+    let target = moved_by(&from, change);
     let Ok(prepared) = robot.plan.prepare_point(&target, speed) else {
         return Ok(());
     };

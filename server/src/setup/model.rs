@@ -199,6 +199,11 @@ impl Setup {
             .find(|taught| taught.arm == arm && taught.place == place)
     }
 
+    /// Whether any zone is for this robot.
+    pub(crate) fn has_zones_of(&self, robot: &str) -> bool {
+        self.zones.iter().any(|zone| zone.robots.includes(robot))
+    }
+
     /// The zones of a kind that are for a robot.
     pub(crate) fn zones_of<'a>(
         &'a self,

@@ -136,22 +136,8 @@ impl Work<'_> {
 
     /// A step that waits begins its wait anew.
     pub(super) fn again(&mut self, job: &Job, phase: Phase) {
-        if let Some(step) = job.find(phase)
-            && matches!(
-                job.step(step).map(|s| s.state),
-                Some(StepState::Running | StepState::Retriable)
-            )
-        {
-            let to = StepState::Pending;
-            let text = "a human lets it be tried again".to_owned();
-            self.emit(Fact::StepMoved {
-                job: job.id,
-                step,
-                to,
-                attempt: 0,
-                text,
-            });
-        }
+        let waits = |state| matches!(state, StepState::Running | StepState::Retriable);
+        self.begin_anew(job, phase, "a human lets it be tried again", waits);
     }
 
     pub(super) fn retry(&mut self, job: &Job, question: &Question, why: &Why, reason: &str) {

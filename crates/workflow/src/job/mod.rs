@@ -289,6 +289,12 @@ impl Job {
         who == Some(mobile_robot)
     }
 
+    /// The step by which the arm leaves the zone, while it does.
+    pub(crate) fn backing_out(&self) -> Option<usize> {
+        let leaves = |s: &Step| s.plan.phase == Phase::BackOut && s.state == StepState::Running;
+        self.steps.iter().position(leaves)
+    }
+
     pub(crate) fn step(&self, index: usize) -> Option<&Step> {
         self.steps.get(index)
     }

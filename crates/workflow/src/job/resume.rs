@@ -152,11 +152,7 @@ impl Work<'_> {
             return;
         }
         // F12, F13: the arm leaves the zone first.
-        if let Some(step) = job
-            .steps
-            .iter()
-            .position(|s| s.plan.phase == Phase::BackOut && s.state == StepState::Running)
-        {
+        if let Some(step) = job.backing_out() {
             self.run_operations(job, step);
             return;
         }

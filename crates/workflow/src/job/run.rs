@@ -145,11 +145,7 @@ impl Work<'_> {
             return;
         }
         // Out first: what else runs begins anew behind it.
-        if let Some(step) = job
-            .steps
-            .iter()
-            .position(|s| s.plan.phase == Phase::BackOut && s.state == StepState::Running)
-        {
+        if let Some(step) = job.backing_out() {
             self.run_operations(job, step);
             return;
         }

@@ -260,21 +260,7 @@ impl Work<'_> {
             Phase::Permit,
         ];
         for phase in again {
-            if let Some(step) = job.find(phase)
-                && job
-                    .step(step)
-                    .is_some_and(|s| s.state != StepState::Pending)
-            {
-                let to = StepState::Pending;
-                let text = "a new order".to_owned();
-                self.emit(Fact::StepMoved {
-                    job: job.id,
-                    step,
-                    to,
-                    attempt: 0,
-                    text,
-                });
-            }
+            self.begin_anew(job, phase, "a new order", |s| s != StepState::Pending);
         }
         true
     }
