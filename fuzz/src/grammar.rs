@@ -120,7 +120,7 @@ const ROWS: &[Row] = &[
     ("mt", &["JOINT", "LINEAR", "CIRCULAR"]),
     ("tt", &["FINE", "COARSE", "NOSETTLE", "NODECEL", "VARDECEL"]),
     ("pa", &["way", "route", "nums", "path2", "box1.way", "boxes[{at3}].trips[{at2}]"]),
-    ("nd", &["AT NODE[{small}]", "AT NODE[*]", "TIME {small} AFTER NODE[{at3}]", "TIME {small} BEFORE NODE[{at3}]", "{c}"]),
+    ("nd", &["AT NODE[{small}]", "AT NODE[*]", "TIME {small} AFTER NODE[{k3}]", "TIME {small} BEFORE NODE[{k3}]", "{c}"]),
     ("j1", &["j1", "j2"]),
     // Conditions and actions of handlers.
     ("c", &["{b3}", "EVENT[{small}]", "SEMAPHORE[{k3}]", "ERROR[*]", "ERROR[12311]", "DIN[{k3}]+", "DOUT[{k3}]-", "FLG[1]+ OR FLG[2]-",

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use fuzz::choices::Choices;
 use fuzz::{TARGETS, grammar, targets};
+use karel_emulator::{Controller, ProgramSource};
 
 /// Covers: K6, K7.
 #[test]
@@ -35,6 +36,38 @@ fn every_statement_of_the_grammar_is_correct_and_runs() {
         number += 1;
     }
     assert!(number > 100, "{number} statements");
+}
+
+/// Programs that are drawn to see that the checker takes them.
+const DRAWN: u64 = 6_000;
+/// Bytes that each of them is drawn from.
+const BYTES: usize = 600;
+
+#[test]
+fn drawn_programs_are_correct() {
+    let config =
+        targets::core::config().with_program(ProgramSource::new("helper.kl", grammar::HELPER));
+    let mut state = 1;
+    for _ in 0..DRAWN {
+        let bytes: Vec<u8> = std::iter::repeat_with(|| draw(&mut state))
+            .take(BYTES)
+            .collect();
+        let source = grammar::program(&mut Choices::new(&bytes));
+        let config = config
+            .clone()
+            .with_program(ProgramSource::new("fuzzed.kl", source));
+        if let Err(refused) = Controller::try_new(&config) {
+            panic!("{refused}");
+        }
+    }
+}
+
+/// The next byte of a linear congruential generator (Knuth's MMIX constants); the high bits are the random ones.
+fn draw(state: &mut u64) -> u8 {
+    *state = state
+        .wrapping_mul(6_364_136_223_846_793_005)
+        .wrapping_add(1_442_695_040_888_963_407);
+    state.to_be_bytes()[0]
 }
 
 #[test]
