@@ -314,10 +314,11 @@ async fn what_may_only_look_touches_nothing_and_no_foreign_page_does() {
         ("Origin: http://evil.example", "403"),
         ("Origin: null", "403"),
         ("Sec-Fetch-Site: cross-site", "403"),
+        ("Origin: http://localhost:3000", "403"),
         ("Origin: http://localhost:8081", "200"),
     ] {
         let request = format!(
-            "POST /api/v1/hold HTTP/1.1\r\nHost: localhost\r\n{header}\r\nConnection: close\r\nContent-Length: 0\r\n\r\n"
+            "POST /api/v1/hold HTTP/1.1\r\nHost: localhost:8081\r\n{header}\r\nConnection: close\r\nContent-Length: 0\r\n\r\n"
         );
         let answer = call(panel.address, request.as_bytes()).await;
         assert!(

@@ -1,15 +1,14 @@
 //! The robot over HTTP, for people and for tests: look at it, make it fail, move its loads, push it messages.
 
 mod body;
-mod serve;
 
 use axum::Router;
 use axum::extract::rejection::QueryRejection;
-use axum::extract::{DefaultBodyLimit, Query, Request, State as Shared};
-use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, header};
-use axum::middleware::{self, Next};
+use axum::extract::{DefaultBodyLimit, Query, State as Shared};
+use axum::http::StatusCode;
 use axum::response::{Html, IntoResponse, Json, Response};
 use axum::routing::{get, post};
+use local_view::{Door, problem};
 use serde::{Deserialize, Serialize};
 use tokio::net::TcpListener;
 use tokio::sync::mpsc;
@@ -29,10 +28,6 @@ const MAX_BODY: usize = 256 * 1024;
 
 type Commands = mpsc::Sender<Command>;
 
-/// The page runs its own script and asks its own origin, nothing else.
-const CONTENT_POLICY: &str = "default-src 'none'; img-src data:; script-src 'unsafe-inline'; style-src 'unsafe-inline'; \
-    connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
-
 /// Serves the view until `stop`.
 pub(crate) async fn serve(
     listener: TcpListener,
@@ -41,7 +36,7 @@ pub(crate) async fn serve(
     stop: CancellationToken,
     tracker: TaskTracker,
 ) {
-    serve::serve(listener, router(commands, exposed), stop, tracker).await;
+    local_view::serve(listener, router(commands, exposed), stop, tracker).await;
 }
 
 fn router(commands: Commands, exposed: bool) -> Router {
@@ -52,11 +47,9 @@ fn router(commands: Commands, exposed: bool) -> Router {
         .route("/faults", get(faults).post(set_fault).delete(clear_faults))
         .route("/loads", get(loads).post(set_load))
         .route("/messages", post(push))
-        .fallback(not_found)
-        .method_not_allowed_fallback(not_allowed)
         .layer(DefaultBodyLimit::max(MAX_BODY))
         .with_state(commands);
-    routes.layer(middleware::from_fn_with_state(exposed, guard))
+    Door::local("robot").exposed(exposed).around(routes)
 }
 
 /// Why there is no answer.
@@ -196,75 +189,4 @@ async fn push(
     let message = Box::new(message);
     ask(&commands, |answer| Command::Push { message, answer }).await??;
     Ok(Json(serde_json::json!({ "n": n })).into_response())
-}
-
-async fn not_found(request: Request) -> Response {
-    let text = format!("there is no {} on this robot", request.uri().path());
-    problem(StatusCode::NOT_FOUND, &text)
-}
-
-async fn not_allowed(request: Request) -> Response {
-    let text = format!(
-        "{} cannot be sent to {}",
-        request.method(),
-        request.uri().path()
-    );
-    problem(StatusCode::METHOD_NOT_ALLOWED, &text)
-}
-
-async fn guard(Shared(exposed): Shared<bool>, request: Request, next: Next) -> Response {
-    let mut response = match admit(exposed, request.method(), request.headers()) {
-        Ok(()) => next.run(request).await,
-        Err(reason) => problem(StatusCode::FORBIDDEN, reason),
-    };
-    for (name, value) in [
-        (header::CONTENT_SECURITY_POLICY, CONTENT_POLICY),
-        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
-        (header::CACHE_CONTROL, "no-store"),
-    ] {
-        let _previous = response
-            .headers_mut()
-            .insert(name, HeaderValue::from_static(value));
-    }
-    response
-}
-
-/// A page of another origin must not reach the robot through a name that it points to this machine, nor send it a form.
-fn admit(exposed: bool, method: &Method, headers: &HeaderMap) -> Result<(), &'static str> {
-    let text = |name| headers.get(name).and_then(|value| value.to_str().ok());
-    let host = text(header::HOST);
-    if !exposed && !host.is_some_and(is_local_name) {
-        return Err("the robot answers to loopback names only");
-    }
-    let same_origin = match (text(header::ORIGIN), host) {
-        (None, _) => true,
-        (Some(origin), Some(host)) => origin.strip_prefix("http://") == Some(host),
-        (Some(_), None) => false,
-    };
-    if !matches!(*method, Method::GET | Method::HEAD) && !same_origin {
-        return Err("the request comes from a page of another origin");
-    }
-    Ok(())
-}
-
-fn is_local_name(host: &str) -> bool {
-    let name = match host.strip_prefix('[') {
-        Some(rest) => rest.split(']').next().unwrap_or_default(),
-        None => host.split(':').next().unwrap_or_default(),
-    };
-    name.eq_ignore_ascii_case("localhost")
-        || name
-            .parse::<std::net::IpAddr>()
-            .is_ok_and(|ip| ip.is_loopback())
-}
-
-/// An error as `application/problem+json`.
-fn problem(status: StatusCode, detail: &str) -> Response {
-    let body = serde_json::json!({
-        "title": status.canonical_reason(),
-        "status": status.as_u16(),
-        "detail": detail,
-    });
-    let kind = [(header::CONTENT_TYPE, "application/problem+json")];
-    (status, kind, body.to_string()).into_response()
 }

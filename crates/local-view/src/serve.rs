@@ -1,4 +1,4 @@
-//! The view's accept loop: everything a client can hold has a limit.
+//! The accept loop: everything a client can hold has a limit.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -28,7 +28,7 @@ const LIFE: Duration = Duration::from_mins(1);
 const FAREWELL: Duration = Duration::from_secs(1);
 
 /// Answers with `router` until `stop`.
-pub(super) async fn serve(
+pub async fn serve(
     mut listener: TcpListener,
     router: Router,
     stop: CancellationToken,
@@ -60,7 +60,7 @@ pub(super) async fn serve(
             let ended = if let Ok(Some(ended)) = whole.await {
                 Ok(ended)
             } else {
-                // Its time is over, or the robot's: the answer under way is the last one.
+                // Its time is over, or the view's: the answer under way is the last one.
                 connection.as_mut().graceful_shutdown();
                 timeout(FAREWELL, connection).await
             };
