@@ -85,6 +85,10 @@ const COMMANDS: &[(&str, i32)] = &[
         0,
     ),
     (
+        "arm transfer fanuc-m20ia --from 60,20,-20,0,-70,0 --to-pose 985,-700,640,180,0,0 --tool 0,0,150,0,0,0 --keep-out 700,-100,-500,1000,100,500 --plot P.svg",
+        0,
+    ),
+    (
         "arm transfer scara --from -40,30,150,0 --to 40,30,150,0 --keep-out 60,-10,0,800,10,280 --margin 5 --plot P.svg",
         0,
     ),
@@ -279,6 +283,7 @@ const BAD: &[(&str, i32, &str)] = &[
         1,
         "scara has 4 joints",
     ),
+    ("arm transfer scara --from 0,0,0,0", 2, "--to or --to-pose"),
     (
         "arm calibrate fanuc-m20ia --tip 0,0,0,0,0,0 --tip 0,0,0,0,0,0",
         1,

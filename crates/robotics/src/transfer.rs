@@ -1,9 +1,11 @@
 //! An arm among obstacles.
 
+mod goals;
+
 use api::arms::{ArmCapsule, ArmObstacle, ArmTransferBody, ArmTransferResult};
 use kinematics::Pose;
 use kinematics::serial::{JointKind, JointValues, SerialError};
-use planning::arm::{ArmError, ArmShape, Capsule, Obstacle, Scene, Workplace};
+use planning::arm::{ArmError, ArmPath, ArmShape, Capsule, Obstacle, Scene, Workplace};
 use planning::{Sampling, Wanted};
 use units::Millimeters;
 
@@ -11,21 +13,23 @@ use crate::arm::Arm;
 use crate::convert::{pose_at, position_of, shown};
 use crate::refusal::{Refusal, RefusalKind, count_or, length, within, within_or};
 use crate::shape;
+use goals::goals;
 
 const MOST_OBSTACLES: usize = 100;
 const MOST_CAPSULES: usize = 32;
 /// Points of the flange that are told for each piece of the way.
 const PARTS: u32 = 16;
 
-/// A way from one joint set to another on which the arm's capsules touch no obstacle: a probabilistic roadmap in joint
+/// A way from one joint set to another, or to a pose, on which the arm's capsules touch no obstacle: a probabilistic roadmap in joint
 /// space, textbook 2.2.3, distances by `parry3d`.
 ///
 /// The joints move evenly between the points of the answer. The arm keeps from itself too: 20 mm, or the margin if that
 /// is less, between capsules that are not on neighboring links and do not touch at home.
 ///
 /// # Errors
-/// No such model; joints outside their ranges; a start or goal that
-/// touches an obstacle or the arm itself, with capsule, obstacle and distance; a size that is none; no way after all samples.
+/// No such model; joints outside their ranges; a pose that is out of reach; a start or goal that touches an obstacle or
+/// the arm itself, with capsule, obstacle and distance (of a pose, its nearest joint set); a size that is none; no way
+/// after all samples.
 pub fn transfer(model: &str, body: &ArmTransferBody) -> Result<ArmTransferResult, Refusal> {
     transfer_while(model, body, Wanted::ALWAYS)
 }
@@ -41,7 +45,7 @@ pub fn transfer_while(
 ) -> Result<ArmTransferResult, Refusal> {
     let arm = Arm::named(model)?;
     let start = arm.joints_inside("start_deg_mm", &body.start_deg_mm)?;
-    let goal = arm.joints_inside("goal_deg_mm", &body.goal_deg_mm)?;
+    let (goal_key, goals) = goals(&arm, model, body)?;
     let margin = within_or("margin_mm", body.margin_mm, 20.0, [5.0, 1000.0], "mm")?;
     let most = count_or("samples", body.samples, 5000, [1, 10_000])?;
     let capsules = capsules(&arm, body)?;
@@ -65,8 +69,8 @@ pub fn transfer_while(
         scene: &scene,
         margin: Millimeters(margin),
     };
-    let path = workplace.transfer(&start, &goal, &sampling, wanted);
-    let path = path.map_err(|error| refused(&error))?;
+    let path = nearest_way(&workplace, &start, &goals, &sampling, wanted);
+    let path = path.map_err(|error| refused(&error, goal_key))?;
     let points = path.points();
     let mut placed = Vec::new();
     for joints in points {
@@ -84,6 +88,28 @@ pub fn transfer_while(
         flange_mm: flange_way(&arm, points)?,
         capsules: placed,
     })
+}
+
+/// The way to the first goal that there is one to; why there is none to the first, if to none.
+fn nearest_way(
+    workplace: &Workplace<'_>,
+    start: &JointValues,
+    goals: &[JointValues],
+    sampling: &Sampling,
+    wanted: Wanted<'_>,
+) -> Result<ArmPath, ArmError> {
+    let mut first = None;
+    for goal in goals {
+        match workplace.transfer(start, goal, sampling, wanted) {
+            // Another goal does not help.
+            Err(error @ (ArmError::BrokenOff(_) | ArmError::Touches { end: "start", .. })) => {
+                return Err(error);
+            }
+            Err(error) => first = first.or(Some(error)),
+            Ok(path) => return Ok(path),
+        }
+    }
+    Err(first.unwrap_or(ArmError::GaveUp { samples: 0 }))
 }
 
 fn of_another_arm(error: SerialError) -> Refusal {
@@ -199,16 +225,21 @@ fn obstacle_of(path: &str, body: &ArmObstacle) -> Result<Obstacle, Refusal> {
 }
 
 /// Capsules and obstacles count from 1 inside, from 0 in a path.
-fn refused(error: &ArmError) -> Refusal {
+fn refused(error: &ArmError, goal_key: &str) -> Refusal {
+    let key_of = |end: &str| {
+        if end == "goal" {
+            goal_key
+        } else {
+            "start_deg_mm"
+        }
+    };
     match error {
         ArmError::Touches { end, touch } => Refusal {
             min: Some(touch.margin.0),
-            ..Refusal::invalid(format!("{end}_deg_mm"), error).with_value(touch.distance.0)
+            ..Refusal::invalid(key_of(end), error).with_value(touch.distance.0)
         },
-        ArmError::Limits { end, .. } => {
-            Refusal::new(RefusalKind::JointLimit, format!("{end}_deg_mm"), error)
-        }
-        ArmError::Joints { end, .. } => Refusal::invalid(format!("{end}_deg_mm"), error),
+        ArmError::Limits { end, .. } => Refusal::new(RefusalKind::JointLimit, key_of(end), error),
+        ArmError::Joints { end, .. } => Refusal::invalid(key_of(end), error),
         ArmError::BrokenOff(error) => Refusal::broken_off(*error),
         ArmError::GaveUp { .. } => Refusal::new(RefusalKind::NoWay, "", error),
         ArmError::Margin { .. } => Refusal::invalid("margin_mm", error),

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{ArmCapsule, PlacedCapsule};
+use super::{ArmCapsule, ArmFrames, PlacedCapsule};
 use crate::PoseBody;
 
 /// A solid in the arm's world, or a space where it must not be.
@@ -33,7 +33,8 @@ pub enum ArmObstacle {
     },
 }
 
-/// A way from one joint set to another that touches nothing.
+/// A way from one joint set to another, or to a pose, that touches nothing. Exactly one of `goal_deg_mm` and `goal_pose`
+/// is given.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 #[schema(example = json!({
@@ -45,8 +46,15 @@ pub struct ArmTransferBody {
     #[serde(alias = "start_deg")]
     pub start_deg_mm: Vec<f64>,
     /// The joints at the goal.
-    #[serde(alias = "goal_deg")]
+    #[serde(alias = "goal_deg", default, skip_serializing_if = "Vec::is_empty")]
     pub goal_deg_mm: Vec<f64>,
+    /// The tool at the goal, in the user frame. Of the joint sets that reach it the nearest to the start is tried first;
+    /// the answer's last point is the one that was taken.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub goal_pose: Option<PoseBody>,
+    /// The frames of `goal_pose`.
+    #[serde(default, skip_serializing_if = "ArmFrames::is_empty")]
+    pub frames: ArmFrames,
     /// What is in the way; at most 100.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub obstacles: Vec<ArmObstacle>,

@@ -1,8 +1,8 @@
 //! Tool calibration, reachability, transfers.
 
 use api::arms::{
-    ArmCalibrationBody, ArmCalibrationMethod, ArmCalibrationPoint, ArmObstacle, ArmSolver,
-    ArmTransferBody, ReachBody, ReachGrid, ReachPlane,
+    ArmCalibrationBody, ArmCalibrationMethod, ArmCalibrationPoint, ArmFrames, ArmObstacle,
+    ArmSolver, ArmTransferBody, ArmTransferResult, ReachBody, ReachGrid, ReachPlane,
 };
 
 use api::paths::RouteMethod;
@@ -256,6 +256,69 @@ fn every_arm_goes_around_a_box() {
             assert!(!inside, "{model}: {point:?}");
         }
     }
+}
+
+/// The textbook's arm reaches most poses with its elbow up and down. Where the elbow nearest to the start would be,
+/// there is a box: the way ends with the other one.
+#[test]
+fn a_transfer_to_a_pose_ends_at_the_nearest_joints_that_are_free() {
+    let model = "textbook-6r";
+    let goal = [510.119, 171.512, 1159.066, 25.231, 17.644, -87.535];
+    let question = ArmTransferBody {
+        start_deg_mm: vec![40.0, 35.0, 35.0, 10.0, 50.0, 60.0],
+        goal_pose: Some(goal.into()),
+        margin_mm: Some(5.0),
+        ..ArmTransferBody::default()
+    };
+    let reached = |answer: &ArmTransferResult| {
+        let end = answer.points_deg_mm.last().unwrap();
+        let tcp = robotics::forward(model, &forward_of(end)).unwrap().tcp;
+        assert_near(
+            &[
+                tcp.x_mm, tcp.y_mm, tcp.z_mm, tcp.w_deg, tcp.p_deg, tcp.r_deg,
+            ],
+            goal,
+            1e-6,
+        );
+        end.clone()
+    };
+    let nearest = robotics::transfer(model, &question).unwrap();
+    let end = reached(&nearest);
+    assert_near(&end[..3], [20.0, 30.0, 40.0], 1e-3);
+    // The shoulder is on the base's axis; the upper arm ends at the elbow.
+    let shape = nearest.capsules.last().unwrap();
+    let elbow = shape[1].to_mm;
+    let blocked = ArmTransferBody {
+        obstacles: vec![ArmObstacle::KeepOut {
+            min_mm: elbow.map(|value| value - 10.0),
+            max_mm: elbow.map(|value| value + 10.0),
+        }],
+        ..question
+    };
+    let answer = robotics::transfer(model, &blocked).unwrap();
+    let other = reached(&answer);
+    assert!((other[2] - end[2]).abs() > 30.0, "{end:?} {other:?}");
+}
+
+/// The tool hangs 150 mm below the flange: with it, the same pose is reached by a higher flange.
+#[test]
+fn the_goal_of_a_transfer_is_the_tools_pose() {
+    let goal = [985.0, 100.0, 640.0, 180.0, 0.0, 0.0];
+    let question = ArmTransferBody {
+        start_deg_mm: vec![45.0, 20.0, -20.0, 0.0, -70.0, 0.0],
+        goal_pose: Some(goal.into()),
+        frames: ArmFrames {
+            tool: Some([0.0, 0.0, 150.0, 0.0, 0.0, 0.0].into()),
+            ..ArmFrames::default()
+        },
+        ..ArmTransferBody::default()
+    };
+    let answer = robotics::transfer("fanuc-m20ia", &question).unwrap();
+    assert_near(
+        answer.flange_mm.last().unwrap(),
+        [985.0, 100.0, 790.0],
+        1e-6,
+    );
 }
 
 #[test]

@@ -5,15 +5,15 @@ use clap::Args;
 use plots::answers;
 
 use super::desk::Desk;
-use super::input::{FileArgs, Numbers, Row, needed};
-use super::show::{PlotArgs, finish, unit};
+use super::input::{AskArgs, Numbers, Row, needed};
+use super::show::{finish, unit};
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::numbers::finite;
 use crate::report::{Exit, Report};
 use crate::text::{Table, thousandths};
 
-/// Find a way from one joint set to another that touches nothing, by a probabilistic roadmap.
+/// Find a way from one joint set to another, or to a pose, that touches nothing, by a probabilistic roadmap.
 ///
 /// Example:
 ///   cellctl arm transfer fanuc-m20ia --from 45,20,-20,0,-70,0 --to -45,20,-20,0,-70,0 --keep-out 700,-100,-500,1000,100,500
@@ -33,6 +33,14 @@ pub(super) struct TransferArgs {
     /// The joints at the goal.
     #[arg(long, value_name = "J1,J2,..", allow_hyphen_values = true)]
     to: Option<Numbers>,
+    /// Or where the tool is to be: the way ends at the nearest of the joint sets that reach it and are free.
+    #[arg(
+        long,
+        value_name = "X,Y,Z,W,P,R",
+        allow_hyphen_values = true,
+        conflicts_with = "to"
+    )]
+    to_pose: Option<Row<6>>,
     /// A box that the arm must not be in: two corners in the arm's world, in mm. As often as there are such.
     #[arg(long, value_name = "X,Y,Z,X,Y,Z", allow_hyphen_values = true)]
     keep_out: Vec<Row<6>>,
@@ -49,13 +57,12 @@ pub(super) struct TransferArgs {
     #[arg(long, value_name = "COUNT")]
     samples: Option<u32>,
     #[command(flatten)]
-    file: FileArgs,
-    #[command(flatten)]
-    plot: PlotArgs,
+    ask: AskArgs,
 }
 
 pub(super) async fn run(args: TransferArgs, context: &Context) -> Result<Report, Failure> {
-    let (model, file, plot) = (args.model.clone(), args.file.clone(), args.plot.clone());
+    let model = args.model.clone();
+    let (file, plot) = (args.ask.file.clone(), args.ask.plot.clone());
     let body = file.question(|| of_options(args))?;
     let desk = Desk::of(context);
     let arm = desk.describe(&model).await?;
@@ -88,9 +95,15 @@ fn of_options(args: TransferArgs) -> Result<ArmTransferBody, Failure> {
                 radius_mm: *radius,
                 height_mm: *height,
             });
+    let goal_pose = args.to_pose.map(|Row(pose)| pose.into());
     Ok(ArmTransferBody {
         start_deg_mm: needed(args.from, "--from")?.0,
-        goal_deg_mm: needed(args.to, "--to")?.0,
+        goal_deg_mm: match (args.to, goal_pose) {
+            (None, Some(_)) => Vec::new(),
+            (joints, _) => needed(joints, "--to or --to-pose")?.0,
+        },
+        goal_pose,
+        frames: args.ask.frames.into(),
         obstacles: boxes.chain(cylinders).collect(),
         capsules: None,
         tool_capsules: Vec::new(),

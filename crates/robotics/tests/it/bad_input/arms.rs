@@ -3,9 +3,11 @@
 use api::PoseBody;
 use api::arms::{
     ArmCalibrationBody, ArmCalibrationPoint, ArmInverseBody, ArmObstacle, ArmSearch, ArmSolver,
-    ArmTask, ArmTransferBody, ArmVelocityMotionBody, FiveLinkPoints, ReachBody, ReachGrid,
-    ReachPlane,
+    ArmTask, ArmTransferBody, ArmTransferResult, ArmVelocityMotionBody, FiveLinkPoints, ReachBody,
+    ReachGrid, ReachPlane,
 };
+
+use robotics::Refusal;
 
 use super::{HOME, M20, NAN, assert_refused};
 use crate::common::{forward_of, pose};
@@ -237,17 +239,58 @@ fn too_many_poses_are_refused() {
     assert_refused(robotics::reach(M20, &none), "poses", "0 poses were given");
 }
 
+fn transfer(change: fn(&mut ArmTransferBody)) -> Result<ArmTransferResult, Refusal> {
+    let mut body = ArmTransferBody {
+        start_deg_mm: HOME.to_vec(),
+        goal_deg_mm: vec![40.0, 0.0, 0.0, 0.0, -90.0, 0.0],
+        ..ArmTransferBody::default()
+    };
+    change(&mut body);
+    robotics::transfer(M20, &body)
+}
+
+fn ends_at(goal: [f64; 6], body: &mut ArmTransferBody) {
+    body.goal_deg_mm = Vec::new();
+    body.goal_pose = Some(pose(goal));
+}
+
+#[test]
+fn goals_of_a_transfer_that_it_cannot_end_at_are_refused() {
+    assert_refused(
+        transfer(|body| body.goal_pose = Some(pose([985.0, 0.0, 940.0, 180.0, 0.0, 0.0]))),
+        "goal_pose",
+        "there is goal_deg_mm too",
+    );
+    assert_refused(
+        transfer(|body| body.goal_deg_mm = Vec::new()),
+        "goal_deg_mm",
+        "it is missing, and so is goal_pose",
+    );
+    assert_refused(
+        transfer(|body| ends_at([5000.0, 0.0, 940.0, 180.0, 0.0, 0.0], body)),
+        "goal_pose",
+        "3298.630 mm beyond the stretched arm",
+    );
+    assert_refused(
+        transfer(|body| ends_at([NAN, 0.0, 940.0, 180.0, 0.0, 0.0], body)),
+        "goal_pose.x_mm",
+        "NaN",
+    );
+    assert_refused(
+        transfer(|body| {
+            ends_at([985.0, 300.0, 640.0, 180.0, 0.0, 0.0], body);
+            body.obstacles = vec![ArmObstacle::Box {
+                pose: pose([985.0, 300.0, 640.0, 0.0, 0.0, 0.0]),
+                size_mm: [50.0; 3],
+            }];
+        }),
+        "goal_pose",
+        "obstacle 1",
+    );
+}
+
 #[test]
 fn transfers_that_make_no_sense_are_refused() {
-    let transfer = |change: fn(&mut ArmTransferBody)| {
-        let mut body = ArmTransferBody {
-            start_deg_mm: HOME.to_vec(),
-            goal_deg_mm: vec![40.0, 0.0, 0.0, 0.0, -90.0, 0.0],
-            ..ArmTransferBody::default()
-        };
-        change(&mut body);
-        robotics::transfer(M20, &body)
-    };
     assert!(transfer(|_| ()).is_ok());
     assert_refused(
         transfer(|body| {
