@@ -50,12 +50,12 @@ fn check_reads_listings_of_tp_programs_and_all_that_is_shipped_is_good() {
     assert_eq!(run(&arguments), (Some(0), String::new()));
     let folder = tempfile::tempdir().expect("a temporary folder");
     let bad = folder.path().join("bad.LS");
-    let text = "/PROG BAD\n/ATTR\n/MN\n   1:  JMP LBL[3] ;\n   2:  RSR[1]=ENABLE ;\n/POS\n/END\n";
+    let text = "/PROG BAD\n/ATTR\n/MN\n   1:  JMP LBL[3] ;\n   2:  RSR[1]=MAYBE ;\n/POS\n/END\n";
     std::fs::write(&bad, text).expect("it is writable");
     let (code, text) = run(&["check", &bad.display().to_string()]);
     assert_eq!(code, Some(1));
     assert!(
-        text.contains("the instruction RSR is not supported yet") && text.contains(":5:"),
+        text.contains("expected ENABLE or DISABLE") && text.contains(":5:"),
         "{text}"
     );
 }
