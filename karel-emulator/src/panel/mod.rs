@@ -6,7 +6,7 @@ mod serve;
 
 use axum::Router;
 use axum::extract::rejection::QueryRejection;
-use axum::extract::{Query, Request, State as Shared};
+use axum::extract::{Query, RawQuery, Request, State as Shared};
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::middleware::{self, Next};
 use axum::response::{Html, IntoResponse, Json, Response};
@@ -20,6 +20,7 @@ use tokio_util::task::TaskTracker;
 use crate::config::ControlAccess;
 use crate::driver::{Command, Page};
 use crate::error::ControllerStopped;
+use crate::json::of_query;
 use crate::state::State;
 use crate::virtual_controller::ask;
 
@@ -107,11 +108,12 @@ async fn state(Shared(commands): Shared<Commands>) -> Result<Response, Controlle
 
 async fn ledger(
     Shared(commands): Shared<Commands>,
+    RawQuery(raw): RawQuery,
     query: Result<Query<LedgerQuery>, QueryRejection>,
 ) -> Result<Response, ControllerStopped> {
     let LedgerQuery { after, limit } = match query {
         Ok(Query(query)) => query,
-        Err(rejection) => return Ok(problem(StatusCode::BAD_REQUEST, &rejection.body_text())),
+        Err(rejection) => return Ok(unread_query(raw, &rejection)),
     };
     let page = ask(&commands, |answer| Command::Ledger { after, answer }).await?;
     Ok(list(page, limit))
@@ -119,17 +121,26 @@ async fn ledger(
 
 async fn alarms(
     Shared(commands): Shared<Commands>,
+    RawQuery(raw): RawQuery,
     query: Result<Query<AlarmsQuery>, QueryRejection>,
 ) -> Result<Response, ControllerStopped> {
     let AlarmsQuery { limit } = match query {
         Ok(Query(query)) => query,
-        Err(rejection) => return Ok(problem(StatusCode::BAD_REQUEST, &rejection.body_text())),
+        Err(rejection) => return Ok(unread_query(raw, &rejection)),
     };
     Ok(list(ask(&commands, Command::Alarms).await?, limit))
 }
 
 async fn screen(Shared(commands): Shared<Commands>) -> Result<Response, ControllerStopped> {
     Ok(Json(ask(&commands, Command::Screen).await?).into_response())
+}
+
+fn unread_query(query: Option<String>, rejection: &QueryRejection) -> Response {
+    let query = query.unwrap_or_default();
+    problem(
+        StatusCode::BAD_REQUEST,
+        &of_query(&query, &rejection.body_text()),
+    )
 }
 
 async fn not_found(request: Request) -> Response {
