@@ -26,12 +26,24 @@ fn source(text: &str) -> tempfile::NamedTempFile {
 }
 
 #[test]
-fn check_says_nothing_about_a_good_program_and_points_at_an_error() {
-    assert_eq!(run(&["check", SERVER]).0, Some(0));
+fn check_counts_what_it_finds_and_points_at_an_error() {
+    let said = |text: &str| text.lines().last().map(ToOwned::to_owned);
+    let (code, text) = run(&["check", SERVER]);
+    assert_eq!(
+        (code, text.as_str()),
+        (Some(0), "1 file, 0 errors, 0 warnings\n")
+    );
     let bad = source("PROGRAM a\nBEGIN\n  x = = 1\nEND a\n");
     let (code, text) = run(&["check", bad.path().to_str().unwrap()]);
     assert_eq!(code, Some(1));
     assert!(text.contains(":3:") && text.contains('^'), "{text}");
+    let (code, text) = run(&["check", SERVER, bad.path().to_str().unwrap()]);
+    assert_eq!(code, Some(1));
+    assert_eq!(
+        said(&text).unwrap(),
+        "2 files, 1 error, 0 warnings",
+        "{text}"
+    );
 }
 
 #[test]
@@ -47,15 +59,16 @@ fn check_reads_listings_of_tp_programs_and_all_that_is_shipped_is_good() {
     assert_eq!(files.len(), 12);
     let mut arguments = vec!["check"];
     arguments.extend(files.iter().map(String::as_str));
-    assert_eq!(run(&arguments), (Some(0), String::new()));
+    let summary = "12 files, 0 errors, 0 warnings\n".to_owned();
+    assert_eq!(run(&arguments), (Some(0), summary));
     let folder = tempfile::tempdir().expect("a temporary folder");
     let bad = folder.path().join("bad.LS");
-    let text = "/PROG BAD\n/ATTR\n/MN\n   1:  JMP LBL[3] ;\n   2:  RSR[1]=ENABLE ;\n/POS\n/END\n";
+    let text = "/PROG BAD\n/ATTR\n/MN\n   1:  JMP LBL[3] ;\n   2:  RSR[1]=MAYBE ;\n/POS\n/END\n";
     std::fs::write(&bad, text).expect("it is writable");
     let (code, text) = run(&["check", &bad.display().to_string()]);
     assert_eq!(code, Some(1));
     assert!(
-        text.contains("the instruction RSR is not supported yet") && text.contains(":5:"),
+        text.contains("expected ENABLE or DISABLE") && text.contains(":5:"),
         "{text}"
     );
 }
@@ -73,7 +86,10 @@ fn included_files_are_found_from_the_folder_of_the_program_whatever_their_case()
     write("a.kl", program);
     write("b.kl", "PROGRAM b\n%INCLUDE ..\\none\nBEGIN\nEND b\n");
     let path = |name: &str| folder.path().join(name).display().to_string();
-    assert_eq!(run(&["check", &path("a.kl")]), (Some(0), String::new()));
+    assert_eq!(
+        run(&["check", &path("a.kl")]),
+        (Some(0), "1 file, 0 errors, 0 warnings\n".to_owned())
+    );
     let (code, text) = run(&["check", &path("b.kl")]);
     assert_eq!(code, Some(1));
     assert!(

@@ -328,14 +328,14 @@ async fn registers_ports_and_frames_are_read_set_and_refused() {
                 "/api/v1/frames/tool/11",
                 pose.clone(),
                 404,
-                &["1 to 10"],
+                &["11", "1 to 10"],
             ),
             (
                 "PUT",
                 "/api/v1/frames/chair/1",
                 pose,
                 404,
-                &["user and tool"],
+                &["chair", "user or tool"],
             ),
             (
                 "PUT",

@@ -90,6 +90,44 @@ fn assumed_a_service_request_is_acknowledged_and_starts_its_program_when_the_one
 }
 
 #[test]
+fn assumed_a_request_that_a_program_disabled_is_neither_acknowledged_nor_started() {
+    let mut config = ControllerConfig::new("remote", arm());
+    let lines = ["RSR[2]=DISABLE", "RSR[3]=DISABLE", "RSR[3]=ENABLE"];
+    for (number, lines) in [(1, &lines[..]), (2, &["R[2]=1"]), (3, &["R[3]=1"])] {
+        config = config.with_program(listing(&format!("RSR000{number}"), lines, ""));
+    }
+    config.remote_start = Some(RemoteStart {
+        selection: ProgramSelection::Rsr,
+        base: 0,
+    });
+    let mut core = Core::of(&config);
+    core.advance(0.1);
+    core.pulse(9);
+    core.advance(1.0);
+    core.pulse(10);
+    assert_eq!(core.shown(), [1, 2], "ACK2 is off");
+    core.pulse(11);
+    core.advance(1.0);
+    let [second, third] = [2, 3].map(|number| core.0.registers().number(number).unwrap());
+    assert_eq!([second, third], [Number::Integer(0), Number::Integer(1)]);
+}
+
+#[test]
+fn a_request_that_there_is_not_ends_the_program_that_names_it() {
+    for number in [0, 9] {
+        let line = format!("RSR[{number}]=ENABLE");
+        let mut core = Core::moves(&[&line], "");
+        core.advance(0.1);
+        let alarm = core.last_alarm();
+        let wanted = format!("There is no RSR[{number}]");
+        assert!(
+            alarm.starts_with("INTP-322") && alarm.contains(&wanted),
+            "{alarm}"
+        );
+    }
+}
+
+#[test]
 fn assumed_cstopi_forgets_what_waits_and_lets_the_program_that_runs_end() {
     let mut core = cell(ProgramSelection::Rsr, 0);
     core.pulse(9);

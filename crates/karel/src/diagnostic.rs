@@ -64,7 +64,7 @@ pub fn render(diagnostics: &[Diagnostic]) -> String {
     texts.join("\n\n")
 }
 
-/// More errors than this help nobody.
+/// More errors than this help nobody, nor do more warnings.
 const MAX_REPORTS: usize = 50;
 
 /// Longest part of a source line that is shown.
@@ -83,6 +83,7 @@ struct Report {
 pub(crate) struct Reports {
     list: Vec<Report>,
     errors: usize,
+    warnings: usize,
 }
 
 impl Reports {
@@ -115,10 +116,15 @@ impl Reports {
             .list
             .last()
             .is_some_and(|last| last.span == span && last.message == message);
-        if repeated || self.list.len() >= MAX_REPORTS {
+        // Neither kind takes room from the other: an error behind many warnings is still one.
+        let count = match severity {
+            Severity::Error => &mut self.errors,
+            Severity::Warning => &mut self.warnings,
+        };
+        if repeated || *count >= MAX_REPORTS {
             return;
         }
-        self.errors += usize::from(severity == Severity::Error);
+        *count += 1;
         self.list.push(Report {
             severity,
             span,
@@ -131,9 +137,9 @@ impl Reports {
         self.errors > 0
     }
 
-    /// Nothing more is recorded; a parser may stop.
+    /// No more errors are recorded; a parser may stop.
     pub(crate) fn is_full(&self) -> bool {
-        self.list.len() >= MAX_REPORTS
+        self.errors >= MAX_REPORTS
     }
 
     /// The diagnostics in the order of the source.

@@ -421,6 +421,14 @@ pub trait Host {
     /// Another task continued this one: what was held of its motions goes on.
     fn continue_motions(&mut self, _task: TaskId) {}
 
+    /// `RSR[n]=ENABLE` and `DISABLE`: whether a signal of the cell's controller starts its program.
+    ///
+    /// # Errors
+    /// [`Status::INTP_ARGUMENT`] if there is no such signal. A host without them keeps this answer.
+    fn enable_request(&mut self, _task: TaskId, _number: i32, _on: bool) -> Result<(), Status> {
+        Err(Status::INTP_ARGUMENT)
+    }
+
     /// Whether the mode switch says AUTO.
     fn in_auto_mode(&self) -> bool {
         true

@@ -4,6 +4,7 @@
 //! of their parts in order, so that every part can be uninitialized on its own and a reference to
 //! any part is one number.
 
+mod absent;
 mod array;
 mod display;
 mod position;
@@ -11,6 +12,7 @@ mod standard;
 
 use std::sync::Arc;
 
+pub(crate) use absent::absent;
 pub(crate) use array::{
     ArrayType, MAX_OPEN_DIMS, grid_lengths, split_grid, split_text_array, text_array_lengths,
 };

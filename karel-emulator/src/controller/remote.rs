@@ -200,8 +200,10 @@ impl Controller {
         let time = self.hardware.now;
         match remote.start.selection {
             ProgramSelection::Rsr => {
+                let off = self.hardware.requests_off;
                 for index in 0..REQUESTS {
-                    if on(rising, input::FIRST_REQUEST + index) {
+                    let enabled = off >> index & 1 == 0;
+                    if enabled && on(rising, input::FIRST_REQUEST + index) {
                         remote.acknowledge(index, time);
                         if !remote.queue.contains(&index) {
                             remote.queue.push_back(index);

@@ -9,7 +9,11 @@ use crate::ports::SetInputError;
 
 /// A value of a variable or a register. Lengths are millimeters, angles degrees.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "it must be true or false, a number, a text, {x_mm, y_mm, z_mm, w_deg, p_deg, r_deg, configuration?} or \
+                 {joints_deg: [1 to 9 numbers]}"
+)]
 pub enum ValueBody {
     /// `BOOLEAN`.
     Boolean(bool),

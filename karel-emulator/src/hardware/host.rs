@@ -168,6 +168,20 @@ impl Host for Hardware {
         self.move_hand(task, action, number)
     }
 
+    /// ASSUMPTION: what was asked for before is not forgotten.
+    fn enable_request(&mut self, _task: TaskId, number: i32, on: bool) -> Result<(), Status> {
+        let index = u32::try_from(number).ok().and_then(|n| n.checked_sub(1));
+        let Some(bit) = index.and_then(|index| 1_u8.checked_shl(index)) else {
+            return Err(Status::INTP_ARGUMENT);
+        };
+        if on {
+            self.requests_off &= !bit;
+        } else {
+            self.requests_off |= bit;
+        }
+        Ok(())
+    }
+
     fn current_joints(&mut self, task: TaskId, group: i32) -> Result<JointPosition, Status> {
         only_group(group).map_err(|refusal| self.keep_refusal(task, refusal))?;
         Ok(joint_position(&self.reported_joints()))

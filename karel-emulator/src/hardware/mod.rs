@@ -64,6 +64,8 @@ pub(crate) struct Hardware {
     command_registers: Option<(u16, u16)>,
     /// The task whose statements are executed now.
     pub(crate) running: Option<TaskId>,
+    /// Signals RSR1 to RSR8 that a program has disabled, the first in bit 0.
+    pub(crate) requests_off: u8,
     /// A fault: the general override does not go beyond this.
     pub(crate) override_limit: Option<i32>,
     pub(crate) fidelity: Fidelity,
@@ -177,6 +179,7 @@ impl Hardware {
             gripper,
             command_registers: config.command_registers,
             running: None,
+            requests_off: 0,
             override_limit: None,
             fidelity: config.fidelity,
             generation: config.generation,
@@ -242,6 +245,7 @@ impl Hardware {
         self.wakes.clear();
         if memory == CmosMemory::Lost {
             self.variables = SystemVariables::of(self.generation);
+            self.requests_off = 0;
         }
         self.ports.power_cycle();
         self.devices.power_cycle();

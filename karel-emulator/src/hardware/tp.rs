@@ -208,7 +208,7 @@ impl Hardware {
                     ))
                 })
             }
-            TpSpeed::MmPerSec(_) | TpSpeed::DegPerSec(_) => Err(refused(
+            TpSpeed::MmPerSec(_) | TpSpeed::DegPerSec(_) | TpSpeed::Greatest => Err(refused(
                 "The unit of the speed does not fit the motion".to_owned(),
             )),
         }
@@ -274,6 +274,7 @@ fn tool_speed(speed: TpSpeed) -> Result<ToolSpeed, Refusal> {
                 "The speed is {speed} mm/s, it must be above 0 and at most {limit}"
             )))
         }
+        TpSpeed::Greatest => Ok(ToolSpeed::Greatest),
         TpSpeed::DegPerSec(speed) if speed > 0.0 => Ok(ToolSpeed::DegPerSec(speed.into())),
         TpSpeed::Seconds(seconds) if seconds > 0.0 => Ok(ToolSpeed::Seconds(seconds.into())),
         TpSpeed::DegPerSec(_) | TpSpeed::Seconds(_) | TpSpeed::Percent(_) => {
@@ -323,6 +324,6 @@ fn speed_of(motion: &TpMotion) -> (MotionKind, f64, Option<f64>) {
             let percent = f64::from(percent);
             (kind, percent / 100.0 * SPEED_LIMIT.0, Some(percent))
         }
-        TpSpeed::DegPerSec(_) | TpSpeed::Seconds(_) => (kind, 0.0, None),
+        TpSpeed::DegPerSec(_) | TpSpeed::Seconds(_) | TpSpeed::Greatest => (kind, 0.0, None),
     }
 }

@@ -49,6 +49,8 @@ pub enum ToolSpeed {
     DegPerSec(f64),
     /// From the start to the end.
     Seconds(f64),
+    /// As fast as the tool and the joints can.
+    Greatest,
 }
 
 /// Speed and acceleration of the tool.
@@ -81,7 +83,7 @@ impl Pace {
                 return refused("A speed in deg/sec needs a change of orientation".to_owned());
             }
             ToolSpeed::DegPerSec(speed) => speed * way / angle,
-            ToolSpeed::Seconds(_) => most,
+            ToolSpeed::Seconds(_) | ToolSpeed::Greatest => most,
         };
         if velocity > most * (1.0 + 1e-9) {
             return refused(format!(
@@ -191,7 +193,8 @@ pub(super) fn travel(
         before = joints;
         step += 1.0;
     }
-    let progress = within_joints(model, &samples, progress)?;
+    let as_fast = pace.speed == ToolSpeed::Greatest;
+    let progress = within_joints(model, &samples, (progress, as_fast))?;
     Path::of_tool(samples, (length, frames.tool), progress)
         .ok_or_else(|| Refusal::new(Status::MOTN_UNREACHABLE, "the way has no length"))
 }
@@ -207,20 +210,21 @@ fn check_branch(branch: Configuration, target: &LinearTarget) -> Result<(), Refu
     Err(Refusal::new(MOTN_CONFIGURATION, text))
 }
 
-/// The progress, slow enough for the accelerations of the joints; an alarm if one of them would be too fast.
+/// The progress, slow enough for the accelerations of the joints; an alarm if one of them would be too fast, unless the
+/// motion is to go `as_fast` as they can.
 ///
 /// ASSUMPTION: where a joint would have to accelerate harder than it can, the whole way is traveled slower, and no alarm
 /// is raised, also if the program says how long it shall take.
 fn within_joints(
     model: &ArmModel,
     samples: &[PendantJoints],
-    progress: Progress,
+    (progress, as_fast): (Progress, bool),
 ) -> Result<Progress, Refusal> {
     let Demands {
         speed,
         acceleration,
     } = Demands::of(model, samples, &progress);
-    if speed.share > 1.0 + 1e-6 {
+    if speed.share > 1.0 + 1e-6 && !as_fast {
         let limit = model.max_speed(speed.joint).0;
         let there = along(samples, speed.parameter);
         let nearest = there.map(|joints| model.singularity(&joints).nearest());
@@ -234,8 +238,9 @@ fn within_joints(
         );
         return Err(Refusal::new(MOTN_JOINT_SPEED, text));
     }
-    let slower = (acceleration.share > 1.0)
-        .then(|| progress.stretched(acceleration.share.sqrt()))
+    let by = acceleration.share.sqrt().max(speed.share);
+    let slower = (acceleration.share > 1.0 || as_fast && by > 1.0)
+        .then(|| progress.stretched(by))
         .flatten();
     Ok(slower.unwrap_or(progress))
 }

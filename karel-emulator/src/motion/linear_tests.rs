@@ -23,6 +23,10 @@ fn arm(acceleration: f64) -> ArmModel {
 }
 
 fn sideways(arm: &ArmModel, speed: f64) -> Result<Path, Refusal> {
+    sideways_at(arm, ToolSpeed::MmPerSec(speed))
+}
+
+fn sideways_at(arm: &ArmModel, speed: ToolSpeed) -> Result<Path, Refusal> {
     let start = arm.inverse(&pose(900.0, -200.0, 700.0), Seed::Near(arm.home()));
     let start = start.unwrap();
     let target = LinearTarget {
@@ -31,7 +35,7 @@ fn sideways(arm: &ArmModel, speed: f64) -> Result<Path, Refusal> {
         wrist: None,
     };
     let pace = Pace {
-        speed: ToolSpeed::MmPerSec(speed),
+        speed,
         rotation_deg_s: f64::INFINITY,
         acceleration: 1.0,
     };
@@ -82,11 +86,27 @@ fn a_line_on_which_a_joint_is_too_fast_is_an_alarm() {
         rotation_deg_s: f64::INFINITY,
         acceleration: 1.5,
     };
-    let refusal = plan(&arm, &Frames::default(), start.joints, &target, &pace).unwrap_err();
+    let along = |pace: &Pace| plan(&arm, &Frames::default(), start.joints, &target, pace);
+    let refusal = along(&pace).unwrap_err();
     assert_eq!(refusal.status, MOTN_JOINT_SPEED, "{}", refusal.text);
     assert!(
         refusal.text.contains("J1 would turn with"),
         "{}",
         refusal.text
     );
+    // `max_speed` says that the joints say how fast it is.
+    let speed = ToolSpeed::Greatest;
+    let fastest = along(&Pace { speed, ..pace }).unwrap();
+    let period = INTERPOLATION_PERIOD_S;
+    let mut share = 0.0_f64;
+    let mut t = period;
+    while t < fastest.duration() {
+        let [a, b] = [t - period, t].map(|t| fastest.at_time(t).degrees());
+        for (n, axis) in Axis::ALL.into_iter().enumerate() {
+            let speed = (b[n] - a[n]).abs() / period;
+            share = share.max(speed / arm.max_speed(axis).0);
+        }
+        t += period;
+    }
+    assert!((0.6..=1.001).contains(&share), "{share}");
 }

@@ -5,7 +5,7 @@ pub mod control;
 
 use axum::Router;
 use axum::extract::rejection::QueryRejection;
-use axum::extract::{Query, State as Shared};
+use axum::extract::{Query, RawQuery, State as Shared};
 use axum::http::StatusCode;
 use axum::response::{Html, IntoResponse, Json, Response};
 use axum::routing::get;
@@ -19,6 +19,7 @@ use tokio_util::task::TaskTracker;
 use crate::config::ControlAccess;
 use crate::driver::{Command, Page};
 use crate::error::ControllerStopped;
+use crate::json::of_query;
 use crate::state::State;
 use crate::virtual_controller::ask;
 
@@ -100,11 +101,12 @@ async fn state(Shared(commands): Shared<Commands>) -> Result<Response, Controlle
 
 async fn ledger(
     Shared(commands): Shared<Commands>,
+    RawQuery(raw): RawQuery,
     query: Result<Query<LedgerQuery>, QueryRejection>,
 ) -> Result<Response, ControllerStopped> {
     let LedgerQuery { after, limit } = match query {
         Ok(Query(query)) => query,
-        Err(rejection) => return Ok(problem(StatusCode::BAD_REQUEST, &rejection.body_text())),
+        Err(rejection) => return Ok(unread_query(raw, &rejection)),
     };
     let page = ask(&commands, |answer| Command::Ledger { after, answer }).await?;
     Ok(list(page, limit))
@@ -112,17 +114,26 @@ async fn ledger(
 
 async fn alarms(
     Shared(commands): Shared<Commands>,
+    RawQuery(raw): RawQuery,
     query: Result<Query<AlarmsQuery>, QueryRejection>,
 ) -> Result<Response, ControllerStopped> {
     let AlarmsQuery { limit } = match query {
         Ok(Query(query)) => query,
-        Err(rejection) => return Ok(problem(StatusCode::BAD_REQUEST, &rejection.body_text())),
+        Err(rejection) => return Ok(unread_query(raw, &rejection)),
     };
     Ok(list(ask(&commands, Command::Alarms).await?, limit))
 }
 
 async fn screen(Shared(commands): Shared<Commands>) -> Result<Response, ControllerStopped> {
     Ok(Json(ask(&commands, Command::Screen).await?).into_response())
+}
+
+fn unread_query(query: Option<String>, rejection: &QueryRejection) -> Response {
+    let query = query.unwrap_or_default();
+    problem(
+        StatusCode::BAD_REQUEST,
+        &of_query(&query, &rejection.body_text()),
+    )
 }
 
 impl IntoResponse for ControllerStopped {

@@ -78,6 +78,8 @@ pub enum TpSpeed {
     DegPerSec(f32),
     /// From the start to the end.
     Seconds(f32),
+    /// As fast as the arm can.
+    Greatest,
 }
 
 /// A motion instruction of a TP program.

@@ -10,7 +10,7 @@ use super::{
     exec::{Exec, Flow, Stop, row_of},
     fault::Fault,
     runtime_error,
-    task::{Caller, Ending, Handler, HandlerKind, Pending, Signal},
+    task::{Caller, Ending, Handler, HandlerKind, Pending, Signal, Trigger},
 };
 use crate::{
     ast::TaskVerb,
@@ -142,7 +142,7 @@ impl Exec<'_> {
             self.look_beside(now)?;
         }
         match self.task.triggered.pop_front() {
-            Some((program, routine)) => self.interrupt(program, routine),
+            Some(trigger) => self.interrupt(trigger),
             None => Ok(()),
         }
     }
@@ -189,7 +189,8 @@ impl Exec<'_> {
                 Ok(true) => {
                     fires = true;
                     when.fired = matches!(kind, HandlerKind::Local(_));
-                    self.task.triggered.push_back((program, when.actions));
+                    let actions = Trigger::Actions(program, when.actions);
+                    self.task.triggered.push_back(actions);
                 }
                 Ok(false) => {}
                 Err(fault) => {
@@ -262,7 +263,11 @@ impl Exec<'_> {
     }
 
     /// Begins actions; the task goes on with the same instruction when they end.
-    fn interrupt(&mut self, program: usize, routine: u32) -> Result<(), Fault> {
+    fn interrupt(&mut self, trigger: Trigger) -> Result<(), Fault> {
+        let (program, routine, arguments) = match trigger {
+            Trigger::Actions(program, routine) => (program, routine, None),
+            Trigger::Call(program, arguments) => (program, 0, Some(arguments)),
+        };
         let loaded = self.programs.get(program);
         let loaded = loaded.expect("programs are never unloaded");
         let code = row_of(&loaded.program.code.routines, routine);
@@ -284,6 +289,10 @@ impl Exec<'_> {
         self.task.pc = code.entry as usize;
         self.task.interrupted = true;
         self.switch_program(program);
+        if let Some(arguments) = arguments {
+            let depth = self.task.callers.len();
+            self.task.tp.arguments.push((depth, arguments));
+        }
         Ok(())
     }
 

@@ -52,8 +52,8 @@ pub(crate) struct Task {
     pub(crate) last_alarm: i32,
     /// Conditions are to be looked at before anything else.
     pub(crate) scan_now: bool,
-    /// Actions that are to be run: a program and a routine of it.
-    pub(crate) triggered: VecDeque<(usize, u32)>,
+    /// Actions that are to be run.
+    pub(crate) triggered: VecDeque<Trigger>,
     /// Actions run.
     pub(crate) interrupted: bool,
     /// UNPAUSE: the actions call routines although the task is paused.
@@ -196,9 +196,27 @@ pub(crate) struct Seen {
 pub(crate) struct BesideMotion {
     pub(crate) motion: MotionId,
     pub(crate) moment: Moment,
-    pub(crate) action: Branch,
+    pub(crate) action: BesideAction,
     /// When it is looked at.
     pub(crate) next: Duration,
+}
+
+/// What a motion does besides.
+#[derive(Clone, Debug)]
+pub(crate) enum BesideAction {
+    /// A program, and what it is given.
+    Call(Arc<str>, Vec<Argument>),
+    /// An assignment or a pulse.
+    Do(Branch),
+}
+
+/// Actions that interrupt a task.
+#[derive(Clone, Debug)]
+pub(crate) enum Trigger {
+    /// Of a condition handler: a routine of a program, which is an index of the machine.
+    Actions(usize, u32),
+    /// A whole program, and what it is given.
+    Call(usize, Vec<Argument>),
 }
 
 /// When something is done besides a motion.

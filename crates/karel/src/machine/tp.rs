@@ -4,7 +4,7 @@ use super::{
     exec::{Exec, Flow, row_of},
     fault::Fault,
     task::Argument,
-    tp_value::{Term, not_entered, text_bytes},
+    tp_value::{Term, absent_option, no_such, not_entered, text_bytes},
 };
 use crate::{
     registers::Number,
@@ -91,6 +91,8 @@ impl Exec<'_> {
             Instruction::Timer(index, action) => self.tp_timer(*index, *action),
             Instruction::UserAlarm(index) => self.tp_user_alarm(*index),
             Instruction::Monitor(name, on) => self.tp_monitor(name, *on),
+            Instruction::EnableRequest(index, on) => self.tp_enable_request(*index, *on),
+            Instruction::Absent(absent) => Err(absent_option(absent)),
             Instruction::End => self.tp_end_program(),
             Instruction::Abort => {
                 self.host.cancel_motions(self.id);
@@ -127,6 +129,12 @@ impl Exec<'_> {
     }
 
     fn tp_call(&mut self, call: &Call) -> Result<Flow, Fault> {
+        let arguments = self.tp_arguments(call)?;
+        self.call_with(&call.program, arguments)
+    }
+
+    /// What a program is given.
+    pub(super) fn tp_arguments(&mut self, call: &Call) -> Result<Vec<Argument>, Fault> {
         let mut arguments = Vec::with_capacity(call.arguments.len());
         for argument in &call.arguments {
             arguments.push(match self.tp_operand(argument)? {
@@ -138,7 +146,15 @@ impl Exec<'_> {
                 }
             });
         }
-        self.call_with(&call.program, arguments)
+        Ok(arguments)
+    }
+
+    /// Whether the signal RSR[n] starts its program.
+    fn tp_enable_request(&mut self, index: Index, on: bool) -> Result<Flow, Fault> {
+        let n = self.tp_index(index)?;
+        let done = self.host.enable_request(self.id, n, on);
+        done.map_err(|status| no_such("RSR", n, status))?;
+        Ok(Flow::Next)
     }
 
     /// Words in the place of a program.

@@ -13,7 +13,7 @@ use crate::{
     registers::PositionRegister,
     status::Status,
     syspath::SysPath,
-    tp::{Index, Motion, MotionTarget, Operand, Shift, SpeedUnit, Taught, Wrist},
+    tp::{Index, Motion, MotionTarget, Operand, Shift, Speed, SpeedUnit, Taught, Wrist},
     value::Value,
 };
 
@@ -117,16 +117,7 @@ impl Exec<'_> {
             Some(via) => Some(self.tp_shifted(via, shifts)?),
             None => None,
         };
-        let speed = self.tp_real(&motion.speed, "A speed")?;
-        let speed = match motion.unit {
-            SpeedUnit::Percent => TpSpeed::Percent(speed),
-            SpeedUnit::MmPerSec => TpSpeed::MmPerSec(speed),
-            SpeedUnit::CmPerMin => TpSpeed::MmPerSec(speed / 6.0),
-            SpeedUnit::InchPerMin => TpSpeed::MmPerSec(speed * 25.4 / 60.0),
-            SpeedUnit::DegPerSec => TpSpeed::DegPerSec(speed),
-            SpeedUnit::Seconds => TpSpeed::Seconds(speed),
-            SpeedUnit::Milliseconds => TpSpeed::Seconds(speed / 1000.0),
-        };
+        let speed = self.tp_speed(&motion.speed)?;
         let rounding_percent = match &motion.rounding {
             Some(operand) => Some(self.tp_rounding(operand)?),
             None => None,
@@ -147,6 +138,22 @@ impl Exec<'_> {
             acceleration_percent,
             program: self.program.name_arc(),
             line: self.line(),
+        })
+    }
+
+    fn tp_speed(&mut self, speed: &Speed) -> Result<TpSpeed, Fault> {
+        let (speed, unit) = match speed {
+            Speed::Greatest => return Ok(TpSpeed::Greatest),
+            Speed::Of(speed, unit) => (self.tp_real(speed, "A speed")?, *unit),
+        };
+        Ok(match unit {
+            SpeedUnit::Percent => TpSpeed::Percent(speed),
+            SpeedUnit::MmPerSec => TpSpeed::MmPerSec(speed),
+            SpeedUnit::CmPerMin => TpSpeed::MmPerSec(speed / 6.0),
+            SpeedUnit::InchPerMin => TpSpeed::MmPerSec(speed * 25.4 / 60.0),
+            SpeedUnit::DegPerSec => TpSpeed::DegPerSec(speed),
+            SpeedUnit::Seconds => TpSpeed::Seconds(speed),
+            SpeedUnit::Milliseconds => TpSpeed::Seconds(speed / 1000.0),
         })
     }
 

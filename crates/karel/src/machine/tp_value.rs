@@ -13,7 +13,7 @@ use crate::{
     registers::{Number, PositionRegister},
     status::Status,
     syspath::SysPath,
-    tp::{Expr, FrameKind, Index, Operand},
+    tp::{Absent, Expr, FrameKind, Index, Operand},
     value::Value,
 };
 
@@ -82,6 +82,7 @@ impl Exec<'_> {
     pub(super) fn tp_operand(&mut self, operand: &Operand) -> Result<Term, Fault> {
         Ok(match operand {
             Operand::Unset => return Err(not_entered()),
+            Operand::Absent(absent) => return Err(absent_option(absent)),
             Operand::Integer(value) => Term::Number(Number::Integer(*value)),
             Operand::Real(value) => Term::Number(Number::Real(*value)),
             Operand::Switch(on) => Term::Switch(*on),
@@ -282,6 +283,13 @@ pub(crate) fn text_bytes(text: &str) -> Vec<u8> {
 
 pub(super) fn no_such(what: &str, n: i32, status: Status) -> Fault {
     Fault::new(status, format!("There is no {what}[{n}]"))
+}
+
+/// ASSUMPTION: as a built-in of an option that is not there.
+pub(super) fn absent_option(absent: &Absent) -> Fault {
+    let Absent { what, needs } = absent;
+    let message = format!("{what} needs {needs}");
+    Fault::new(Status::INTP_UNDEFINED_BUILTIN, message)
 }
 
 /// ASSUMPTION: what nobody has entered is as a variable without a value.

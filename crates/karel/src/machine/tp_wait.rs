@@ -199,14 +199,9 @@ impl Exec<'_> {
                 if !self.tp_sees(Watch::Monitor(program), condition)? {
                     continue;
                 }
-                let mut programs = programs.iter();
-                let Some(action) = programs.position(|loaded| *loaded.name() == *call.program)
-                else {
-                    let message = format!("There is no program {}", call.program);
-                    return Err(Fault::new(Status::INTP_CALL_FAILED, message));
-                };
+                let arguments = self.tp_arguments(call)?;
                 let _ended = self.task.tp.monitors.remove(at);
-                self.task.triggered.push_back((action, 0));
+                self.tp_trigger(&call.program, arguments)?;
                 return Ok(());
             }
         }

@@ -5,7 +5,7 @@ use std::time::Duration;
 use super::{
     exec::{Exec, Flow},
     fault::Fault,
-    task::{BesideMotion, Moment, Seen, Watch},
+    task::{Argument, BesideAction, BesideMotion, Moment, Seen, Trigger, Watch},
     tp_value::{Term, no_such},
 };
 use crate::{
@@ -125,10 +125,19 @@ impl Exec<'_> {
         if self.task.tp.beside.len() >= MOST_BESIDE {
             return Err(Fault::new(Status::INTP_LIMIT, "Too many TA, TB and DB"));
         }
+        let action = match &beside.action {
+            // ASSUMPTION: what the program is given is what its line says when the motion starts.
+            Branch::Call(call) => {
+                BesideAction::Call(call.program.clone(), self.tp_arguments(call)?)
+            }
+            other @ (Branch::Jump(_) | Branch::Assign(..) | Branch::Pulse(..)) => {
+                BesideAction::Do(other.clone())
+            }
+        };
         self.task.tp.beside.push(BesideMotion {
             motion: id,
             moment,
-            action: beside.action.clone(),
+            action,
             next: self.host.now(),
         });
         Ok(())
@@ -199,32 +208,40 @@ impl Exec<'_> {
             if due {
                 at -= 1;
                 let done = self.task.tp.beside.remove(at);
-                if self.tp_act(&done.action)? {
-                    return Ok(());
+                match done.action {
+                    BesideAction::Call(program, arguments) => {
+                        return self.tp_trigger(&program, arguments);
+                    }
+                    BesideAction::Do(action) => self.tp_act(&action)?,
                 }
             }
         }
         Ok(())
     }
 
-    /// Whether a program is to interrupt the task.
-    fn tp_act(&mut self, action: &Branch) -> Result<bool, Fault> {
+    /// A program is to interrupt the task.
+    pub(super) fn tp_trigger(
+        &mut self,
+        program: &str,
+        arguments: Vec<Argument>,
+    ) -> Result<(), Fault> {
+        let mut programs = self.programs.iter();
+        let Some(called) = programs.position(|loaded| loaded.name() == program) else {
+            let message = format!("There is no program {program}");
+            return Err(Fault::new(Status::INTP_CALL_FAILED, message));
+        };
+        let call = Trigger::Call(called, arguments);
+        self.task.triggered.push_back(call);
+        Ok(())
+    }
+
+    fn tp_act(&mut self, action: &Branch) -> Result<(), Fault> {
         let _flow = match action {
-            Branch::Call(call) => {
-                let mut programs = self.programs.iter();
-                let Some(action) = programs.position(|loaded| *loaded.name() == *call.program)
-                else {
-                    let message = format!("There is no program {}", call.program);
-                    return Err(Fault::new(Status::INTP_CALL_FAILED, message));
-                };
-                self.task.triggered.push_back((action, 0));
-                return Ok(true);
-            }
             Branch::Assign(place, value) => self.tp_assign(place, value)?,
             Branch::Pulse(port, index, width) => self.tp_pulse((*port, *index), width.as_ref())?,
-            Branch::Jump(_) => Flow::Next,
+            Branch::Jump(_) | Branch::Call(_) => Flow::Next,
         };
-        Ok(false)
+        Ok(())
     }
 
     fn tp_distance(&mut self, [x, y, z]: [f32; 3]) -> Result<f32, Fault> {

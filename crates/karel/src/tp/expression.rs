@@ -86,10 +86,12 @@ impl Scanner<'_> {
     pub(super) fn watched_expression(&mut self) -> Scanned<Expr> {
         let value = self.level(0, DEEPEST)?;
         if mixes(&value, is_sum, is_product) {
-            return Err(self.unsupported("a mixture of + - with other operators in one line"));
+            let help = "write it in parentheses, or in two lines";
+            return Err(self.refused("+ and - with other operators in one line", help));
         }
         if mixes(&value, |op| op == Operator::And, |op| op == Operator::Or) {
-            return Err(self.unsupported("AND and OR in one condition without parentheses"));
+            let help = "write the whole condition in parentheses";
+            return Err(self.refused("AND and OR in one condition without parentheses", help));
         }
         Ok(value)
     }
@@ -195,8 +197,8 @@ impl Scanner<'_> {
         if self.sees("P[") && self.eat_word("P") {
             return Ok(Operand::Taught(self.index()?));
         }
-        if self.sees("VR[") {
-            return Err(self.unsupported("a vision register: there is no camera, so VR"));
+        if let Some(register) = self.vision_register()? {
+            return Ok(Operand::Absent(register));
         }
         if self.eat_word("ERR_NUM") {
             return Ok(Operand::ErrorNumber);

@@ -44,18 +44,6 @@ pub(super) enum Then {
     Pulse(Port, Index, Option<Operand>),
 }
 
-/// Words of instructions that are TP and not run yet.
-const NOT_YET: &[&str] = &[
-    "ERROR_PROG",
-    "JOINT_MAX_SPEED",
-    "LINEAR_MAX_SPEED",
-    "LOCK VREG",
-    "RESUME_PROG",
-    "RSR",
-    "UNLOCK VREG",
-    "VISION",
-];
-
 /// First words of instructions.
 const INSTRUCTIONS: &[&str] = &[
     "ABORT",
@@ -74,6 +62,7 @@ const INSTRUCTIONS: &[&str] = &[
     "OVERRIDE",
     "PAUSE",
     "PAYLOAD",
+    "RSR",
     "RUN",
     "SELECT",
     "SKIP",
@@ -155,6 +144,8 @@ impl Scanner<'_> {
             self.motion()?
         } else if let Some(done) = self.simple()? {
             Line::Done(done)
+        } else if let Some(absent) = self.absent_instruction() {
+            Line::Done(Instruction::Absent(absent))
         } else if let Some(call) = self.macro_call()? {
             Line::Done(Instruction::Macro(call))
         } else {
@@ -187,7 +178,7 @@ impl Scanner<'_> {
             .next()
             .unwrap_or_default()
             .to_ascii_uppercase();
-        if first.len() < 3 || NOT_YET.contains(&first.as_str()) {
+        if first.len() < 3 {
             return Ok(None);
         }
         if let Some(meant) = nearest(&first, INSTRUCTIONS.iter().copied())
@@ -221,6 +212,7 @@ impl Scanner<'_> {
                 if arguments.len() >= MOST_ARGUMENTS {
                     return Err(self.wrong(0, format!("more than {MOST_ARGUMENTS} arguments")));
                 }
+                self.argument_name()?;
                 arguments.push(self.operand()?);
                 if !self.eat(",") {
                     break;
@@ -229,6 +221,15 @@ impl Scanner<'_> {
             self.expect(")")?;
         }
         Ok(arguments)
+    }
+
+    /// `"Part ID"=`: the pendant shows what an argument is called, its place is what counts.
+    fn argument_name(&mut self) -> Scanned<()> {
+        if self.eat("\"") {
+            let _name = self.up_to(b'"')?;
+            self.expect("=")?;
+        }
+        Ok(())
     }
 
     fn pulsed(&mut self, target: &Place) -> Scanned<(Port, Index)> {
@@ -359,14 +360,9 @@ impl Scanner<'_> {
         }
         if let Some(port) = self.port() {
             if port.is_input() {
-                return Err(self.unsupported("an assignment to an input"));
+                return Err(self.wrong(0, "an input cannot be assigned"));
             }
             return Ok(Place::Port(port, self.index()?));
-        }
-        for word in NOT_YET {
-            if self.eat_word(word) {
-                return Err(self.unsupported(&format!("the instruction {word}")));
-            }
         }
         Err(self.expected("an instruction"))
     }

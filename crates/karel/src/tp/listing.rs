@@ -187,6 +187,11 @@ impl Sections {
             reports.error(span, format!("more than {MOST_LINES} lines"));
             return;
         }
+        // The controller prints an empty line so.
+        if line.trim_ascii() == b";" {
+            self.lines.push((Line::Done(Instruction::Nothing), span));
+            return;
+        }
         let Some(colon) = line.iter().position(|byte| *byte == b':') else {
             return reports.error(span, "expected a line number and `:`");
         };

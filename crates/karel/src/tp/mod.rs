@@ -5,6 +5,7 @@
 //! becomes one [`Instruction`] of the same machine that runs KAREL. What is TP and not run yet is
 //! an error that says so.
 
+mod absent;
 mod expression;
 mod instruction;
 mod listing;
@@ -92,6 +93,10 @@ pub(crate) enum Instruction {
         register: Index,
     },
     Override(Operand),
+    /// `RSR[1]=ENABLE`, `DISABLE`: whether that signal starts its program.
+    EnableRequest(Index, bool),
+    /// Of an option that is not there.
+    Absent(Absent),
     End,
     Abort,
     Pause,
@@ -104,6 +109,14 @@ pub(crate) struct ForHead {
     pub(crate) from: Operand,
     pub(crate) to: Operand,
     pub(crate) down: bool,
+}
+
+/// Something of an option that this controller does not have.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Absent {
+    /// The words of the line.
+    pub(crate) what: Arc<str>,
+    pub(crate) needs: &'static str,
 }
 
 /// A program and its arguments.
@@ -188,6 +201,8 @@ pub(crate) enum Index {
 pub(crate) enum Operand {
     /// `Constant` or `...`: nobody has entered it.
     Unset,
+    /// `VR[1].OFFSET`.
+    Absent(Absent),
     Integer(i32),
     Real(f32),
     Switch(bool),
@@ -275,8 +290,7 @@ pub(crate) struct Motion {
     /// Of a `C`: a position on the arc. Of an `A`: one on the rest of its circle.
     pub(crate) via: Option<MotionTarget>,
     pub(crate) target: MotionTarget,
-    pub(crate) speed: Operand,
-    pub(crate) unit: SpeedUnit,
+    pub(crate) speed: Speed,
     /// `CNT`; `None` is FINE.
     pub(crate) rounding: Option<Operand>,
     /// `ACC`.
@@ -311,7 +325,7 @@ pub(crate) enum Wrist {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Beside {
     pub(crate) when: BesideWhen,
-    /// A call without arguments, or an assignment.
+    /// A call, an assignment or a pulse.
     pub(crate) action: Branch,
 }
 
@@ -353,6 +367,14 @@ pub(crate) struct Taught {
     pub(crate) frame: Option<i32>,
     pub(crate) tool: Option<i32>,
     pub(crate) target: TpTarget,
+}
+
+/// How fast a motion is.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Speed {
+    /// `max_speed`: as fast as the arm can.
+    Greatest,
+    Of(Operand, SpeedUnit),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

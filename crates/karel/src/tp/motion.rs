@@ -1,7 +1,8 @@
 //! Motion instructions: `J PR[1] R[2]% FINE`, `L P[3:place] 250mm/sec CNT50 ACC80`.
 
 use super::{
-    Beside, BesideWhen, Branch, Index, Motion, MotionTarget, Operand, Shift, SpeedUnit, Wrist,
+    Beside, BesideWhen, Branch, Index, Instruction, Motion, MotionTarget, Operand, Shift, Speed,
+    SpeedUnit, Wrist,
     instruction::{Line, Then},
     scan::{Scanned, Scanner},
 };
@@ -32,15 +33,13 @@ impl Scanner<'_> {
         } else {
             (None, first)
         };
-        let speed = self.operand()?;
-        let unit = self.unit(interpolation)?;
+        let speed = self.speed(interpolation)?;
         let rounding = self.termination()?;
         let mut motion = Motion {
             interpolation,
             via: via.map(|(via, _)| MotionTarget::Register(via)),
             target: MotionTarget::Register(target.0),
             speed,
-            unit,
             rounding,
             acceleration: None,
             offset: Shift::No,
@@ -76,10 +75,10 @@ impl Scanner<'_> {
             } else if self.eat("AP_LD") || self.eat("RT_LD") {
                 // ASSUMPTION: the way is straight near its ends anyhow, up to the corner that CNT rounds.
                 let _distance = self.operand()?;
-            } else if self.eat_word("VOFFSET") {
-                return Err(self.unsupported("a vision offset: there is no camera, so VOFFSET"));
             } else if let Some(beside) = self.beside()? {
                 motion.beside = Some(beside);
+            } else if let Some(absent) = self.absent_option() {
+                return Ok(Line::Done(Instruction::Absent(absent)));
             } else if self.eat_word("SkipJump") {
                 self.expect(",")?;
                 skip = Some(self.label()?);
@@ -89,8 +88,7 @@ impl Scanner<'_> {
                 skip = Some(self.label()?);
                 motion.skip_keeps = self.kept_position()?;
             } else if !self.eat_word("PTH") {
-                let word = self.name("an option of a motion")?;
-                return Err(self.unsupported(&format!("the option {word} of a motion")));
+                return Err(self.expected("an option of a motion"));
             }
         }
         if motion.incremental
@@ -117,23 +115,24 @@ impl Scanner<'_> {
 
     /// `TB .70sec,CALL PROGRAM`, `DB 10.0mm,DO[1]=ON`.
     fn beside(&mut self) -> Scanned<Option<Beside>> {
-        let (when, unit): (fn(Operand) -> BesideWhen, _) = if self.eat_word("TA") {
-            (BesideWhen::After, "sec")
-        } else if self.eat_word("TB") {
-            (BesideWhen::Before, "sec")
-        } else if self.eat_word("DB") {
-            (BesideWhen::Near, "mm")
-        } else {
-            return Ok(None);
-        };
+        let (when, unit): (fn(Operand) -> BesideWhen, _) =
+            if self.eat_word("TA") || self.eat_word("TIME AFTER") {
+                (BesideWhen::After, "sec")
+            } else if self.eat_word("TB") || self.eat_word("TIME BEFORE") {
+                (BesideWhen::Before, "sec")
+            } else if self.eat_word("DB") {
+                (BesideWhen::Near, "mm")
+            } else {
+                return Ok(None);
+            };
         let when = when(self.operand()?);
         self.expect(unit)?;
-        self.expect(",")?;
+        let comma = self.eat(",");
+        if !comma && !self.sees("CALL") {
+            return Err(self.expected("`,`"));
+        }
         let action = match self.then()? {
-            Then::Call(call) if call.arguments.is_empty() => Branch::Call(call),
-            Then::Call(_) => {
-                return Err(self.unsupported("a CALL with arguments behind TA, TB and DB"));
-            }
+            Then::Call(call) => Branch::Call(call),
             Then::Assign(place, value) => Branch::Assign(place, value),
             Then::Pulse(port, index, width) => Branch::Pulse(port, index, width),
             Then::Jump(_) => return Err(self.wrong(0, "TA, TB and DB call or assign")),
@@ -173,6 +172,18 @@ impl Scanner<'_> {
         self.expect("P")?;
         let index = self.index()?;
         Ok((index, Some(index)))
+    }
+
+    /// `50%`, `R[1]mm/sec`, `max_speed`.
+    fn speed(&mut self, interpolation: Interpolation) -> Scanned<Speed> {
+        if self.eat_word("max_speed") {
+            if interpolation == Interpolation::Joint {
+                return Err(self.wrong(0, "a motion J has no max_speed, it is 100%"));
+            }
+            return Ok(Speed::Greatest);
+        }
+        let speed = self.operand()?;
+        Ok(Speed::Of(speed, self.unit(interpolation)?))
     }
 
     fn unit(&mut self, interpolation: Interpolation) -> Scanned<SpeedUnit> {

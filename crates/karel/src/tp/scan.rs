@@ -60,6 +60,42 @@ impl<'a> Scanner<'a> {
         found
     }
 
+    /// Whether the next characters are these, and no longer word; nothing is taken.
+    pub(super) fn begins_with(&mut self, text: &str) -> bool {
+        let from = self.at;
+        let last = text.chars().next_back();
+        let found = if last.is_some_and(|c| c.is_ascii_alphanumeric()) {
+            self.eat_word(text) || (text.len() <= 4 && self.eat_numbered(text))
+        } else {
+            self.eat(text)
+        };
+        self.at = from;
+        found
+    }
+
+    /// Takes this word if a number follows at once: `EV50%`.
+    fn eat_numbered(&mut self, word: &str) -> bool {
+        let number = |rest: &[u8]| rest.get(word.len()).is_some_and(u8::is_ascii_digit);
+        let found = self.sees(word) && number(self.rest());
+        self.at += if found { word.len() } else { 0 };
+        found
+    }
+
+    /// The words here, two at most; nothing is taken.
+    pub(super) fn first_words(&mut self) -> String {
+        self.skip_blanks();
+        let part = |byte: &&u8| byte.is_ascii_alphabetic() || matches!(**byte, b'_' | b'.' | b' ');
+        let text: Vec<u8> = self.rest().iter().take_while(part).copied().collect();
+        let text = String::from_utf8_lossy(&text).into_owned();
+        let words: Vec<&str> = text.split_whitespace().take(2).collect();
+        words.join(" ")
+    }
+
+    /// Takes the rest of the line.
+    pub(super) fn take_all(&mut self) {
+        self.at = self.bytes.len();
+    }
+
     pub(super) fn expect(&mut self, text: &str) -> Scanned<()> {
         if self.eat(text) {
             return Ok(());
@@ -257,6 +293,14 @@ impl<'a> Scanner<'a> {
     /// Takes what [`Scanner::words`] gave.
     pub(super) fn take_words(&mut self, words: &str) {
         self.at += words.len();
+    }
+
+    /// Reports what a controller does not take either.
+    pub(super) fn refused(&mut self, what: &str, help: &str) -> Reported {
+        self.take_all();
+        let reported = self.wrong(0, what);
+        self.reports.help(help);
+        reported
     }
 
     /// Reports the whole line.

@@ -57,6 +57,14 @@ impl Scanner<'_> {
             Instruction::Nothing
         } else if self.eat_word("TIMER") {
             self.timer()?
+        } else if self.eat_word("RSR") {
+            let signal = self.index()?;
+            self.expect("=")?;
+            let on = self.eat_word("ENABLE");
+            if !on && !self.eat_word("DISABLE") {
+                return Err(self.expected("ENABLE or DISABLE"));
+            }
+            Instruction::EnableRequest(signal, on)
         } else if self.eat_word("UALM") {
             Instruction::UserAlarm(self.index()?)
         } else if self.eat_word("MONITOR") {

@@ -383,6 +383,11 @@ impl Host for ScriptedHost {
         Ok(())
     }
 
+    fn enable_request(&mut self, _: TaskId, number: i32, on: bool) -> Result<(), Status> {
+        self.note(&format!("RSR[{number}] enabled: {on}"));
+        Ok(())
+    }
+
     fn cancel_arm(&mut self, _: TaskId) {
         self.note("cancel motion");
         self.moving = None;

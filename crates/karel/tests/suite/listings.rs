@@ -136,7 +136,7 @@ fn labels_and_positions_that_are_not_there_are_warnings_with_their_line() {
 }
 
 #[test]
-fn what_is_not_run_yet_or_makes_no_sense_is_an_error_with_its_line() {
+fn what_makes_no_sense_is_an_error_with_its_line() {
     for (line, reason) in [
         (
             "C P[1] 100mm/sec FINE",
@@ -168,11 +168,14 @@ fn what_is_not_run_yet_or_makes_no_sense_is_an_error_with_its_line() {
         ),
         ("R[1,2]=5", "only PR has components"),
         (
-            "L PR[1] 100mm/sec FINE BREAK",
-            "the option BREAK of a motion is not supported yet",
+            "L PR[1] 100mm/sec FINE NEVER",
+            "expected an option of a motion, found `NEVER`",
         ),
         ("L PR[1] 2hours FINE", "expected `%`, `mm/sec`"),
-        ("RSR[1]=ENABLE", "the instruction RSR is not supported yet"),
+        ("RSR[1]=ON", "expected ENABLE or DISABLE"),
+        ("J PR[1] max_speed FINE", "a motion J has no max_speed"),
+        ("CALL A(\"Part=1)", "expected `\"`"),
+        ("L PR[1] 9mm/sec FINE TB 1sec DO[1]=ON", "expected `,`"),
         ("$A..B=1", "is no variable"),
         (
             "R[1]=",
@@ -180,7 +183,7 @@ fn what_is_not_run_yet_or_makes_no_sense_is_an_error_with_its_line() {
         ),
         ("R[1]=1 2", "expected the end of the instruction, found `2`"),
         ("R[99999999999]=1", "`99999999999` is not a number"),
-        ("DI[1]=ON", "an assignment to an input is not supported yet"),
+        ("DI[1]=ON", "an input cannot be assigned"),
         ("R[1", "expected `]`"),
     ] {
         let text = listing(&["!first", line]);
@@ -362,4 +365,32 @@ fn a_wait_that_takes_too_long_goes_to_its_label() {
         "LBL[2]",
     ];
     assert_eq!(integers(&lines, &[]), [0, 0, 1, 1]);
+}
+
+/// A listing with more warnings than are shown.
+fn with_many_warnings(last: &str) -> String {
+    let mut lines = vec!["IF R[1]=0,JMP LBL[1]"];
+    lines.extend(["Open Hand"; 70]);
+    lines.extend(["LBL[1]", "R[1]=5", last]);
+    listing(&lines)
+}
+
+#[test]
+fn an_error_behind_many_warnings_is_one() {
+    let text = with_many_warnings("R[1]=");
+    let errors = Program::parse_listing(text.as_bytes(), "t.ls").unwrap_err();
+    let last = errors.last().unwrap();
+    assert!(last.message.starts_with("expected a number"), "{last}");
+}
+
+#[test]
+fn lines_behind_many_warnings_are_executed() {
+    let text = with_many_warnings("R[2]=6");
+    let program = Program::parse_listing(text.as_bytes(), "t.ls").unwrap();
+    let mut machine = Machine::new(Limits::default());
+    machine.load(program).unwrap();
+    let task = machine.start("t").unwrap();
+    run(&mut machine, task, &mut ScriptedHost::new(Vec::new()));
+    let found = [1, 2].map(|n| machine.registers().number(n).unwrap());
+    assert_eq!(found, [Number::Integer(5), Number::Integer(6)]);
 }

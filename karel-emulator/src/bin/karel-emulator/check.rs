@@ -14,7 +14,7 @@ use crate::run::GenerationWord;
 
 /// Check KAREL programs and TP listings (`.ls`) without running them.
 ///
-/// Every error and warning of every file is printed with its source line and a caret. The exit code is 0 if there is no
+/// Every error and warning of every file is printed with its source line and a caret, and how many there are at the end. The exit code is 0 if there is no
 /// error, 1 if there is one, 2 if a file cannot be read.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Check {
@@ -69,6 +69,19 @@ struct Finding {
     source_line: Option<String>,
 }
 
+impl Findings {
+    /// `2 files, 0 errors, 1 warning`.
+    fn summary(&self) -> String {
+        let count = |number: usize, what: &str| {
+            let plural = if number == 1 { "" } else { "s" };
+            format!("{number} {what}{plural}")
+        };
+        let files = count(self.files.len(), "file");
+        let errors = count(self.errors, "error");
+        format!("{files}, {errors}, {}", count(self.warnings, "warning"))
+    }
+}
+
 impl Check {
     pub(crate) fn run(&self) -> anyhow::Result<ExitCode> {
         let mut findings = Findings::default();
@@ -106,6 +119,8 @@ impl Check {
         if self.json {
             let text = serde_json::to_string_pretty(&findings).context("writing the findings")?;
             put(&(text + "\n"));
+        } else {
+            eprintln!("{}", findings.summary());
         }
         Ok(if findings.errors == 0 {
             ExitCode::SUCCESS

@@ -13,7 +13,7 @@ use karel_emulator::config::{
 use karel_emulator::devices;
 use karel_emulator::{
     Clock, ControlAccess, ControllerOption, FaultBody, Fidelity, PeerLabels, ProgramSelection,
-    RemoteStart, VirtualController,
+    RemoteStart, VirtualController, from_json,
 };
 use kinematics::{ArmModel, PendantJoints};
 use tokio::signal::unix::{SignalKind, signal};
@@ -312,7 +312,7 @@ fn parse_preset(text: &str) -> Result<(String, String), String> {
 }
 
 fn parse_fault(text: &str) -> Result<FaultBody, String> {
-    serde_json::from_str(text).map_err(|error| format!("this is no fault: {error}"))
+    from_json(text.as_bytes(), "the fault").map_err(|error| error.to_string())
 }
 
 fn parse_port_map(text: &str) -> Result<(u16, u16), String> {

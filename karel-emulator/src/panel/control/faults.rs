@@ -72,9 +72,10 @@ async fn clear_fault(
     Shared(visitors): Shared<Visitors>,
     Path(id): Path<String>,
 ) -> Result<StatusCode, Refusal> {
-    let id = id
-        .parse()
-        .map_err(|_| Refusal::new(StatusCode::NOT_FOUND, "a fault's id is a number"))?;
+    let id = id.parse().map_err(|_| {
+        let text = format!("{id:?} is no number of a fault, a whole number from 1 on");
+        Refusal::new(StatusCode::NOT_FOUND, text)
+    })?;
     visit(&visitors.commands, move |driver| {
         driver.core.clear_fault(id)
     })

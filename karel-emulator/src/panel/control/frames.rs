@@ -79,7 +79,7 @@ fn kind_of(kind: &str) -> Result<(&'static str, &'static str), Refusal> {
         "user" => Ok(("$MNUFRAME", "$MNUFRAMENUM[1]")),
         "tool" => Ok(("$MNUTOOL", "$MNUTOOLNUM[1]")),
         _ => {
-            let text = "there are two kinds of frames, user and tool";
+            let text = format!("{kind:?} is no kind of frames: user or tool");
             Err(Refusal::new(StatusCode::NOT_FOUND, text))
         }
     }
@@ -104,12 +104,11 @@ async fn set_frame(
     Body(pose): Body<PoseValue>,
 ) -> Result<Json<Frames>, Refusal> {
     let (name, _) = kind_of(&kind)?;
-    let number = number
-        .parse::<i32>()
-        .ok()
-        .filter(|n| (1..=FRAMES).contains(n));
-    let number =
-        number.ok_or_else(|| Refusal::new(StatusCode::NOT_FOUND, "frames go from 1 to 10"))?;
+    let parsed = number.parse::<i32>().ok();
+    let Some(number) = parsed.filter(|n| (1..=FRAMES).contains(n)) else {
+        let text = format!("there is no frame {number:?}, they go from 1 to {FRAMES}");
+        return Err(Refusal::new(StatusCode::NOT_FOUND, text));
+    };
     let path = format!("{name}[1,{number}]");
     set(&visitors, path, ValueBody::Pose(pose)).await
 }

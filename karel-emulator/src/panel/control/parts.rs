@@ -2,10 +2,11 @@
 
 use std::time::Duration;
 
-use axum::extract::rejection::{JsonRejection, QueryRejection};
-use axum::extract::{FromRequest, FromRequestParts, Json, Query, Request};
-use axum::http::StatusCode;
+use axum::body::Bytes;
+use axum::extract::rejection::BytesRejection;
+use axum::extract::{FromRequest, FromRequestParts, Query, Request};
 use axum::http::request::Parts;
+use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -15,6 +16,7 @@ use crate::clock::TimeError;
 use crate::controller::{DataError, OperateError, TaskError, TraceError};
 use crate::error::ControllerStopped;
 use crate::faults::FaultError;
+use crate::json::{JsonError, from_json, of_query};
 use crate::panel::{Visitors, problem};
 use crate::ports::SetInputError;
 use crate::state::State;
@@ -112,23 +114,31 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for Body<T> {
     type Rejection = Refusal;
 
     async fn from_request(request: Request, state: &S) -> Result<Self, Refusal> {
-        match Json::<T>::from_request(request, state).await {
-            Ok(Json(value)) => Ok(Self(value)),
-            Err(rejection) => Err(unreadable(&rejection)),
+        let kind = request.headers().get(header::CONTENT_TYPE);
+        let kind = kind.and_then(|kind| kind.to_str().ok()).unwrap_or_default();
+        let media = kind.split(';').next().unwrap_or_default().trim();
+        if !media.eq_ignore_ascii_case("application/json") {
+            let text = format!("the content type is {media:?}, it must be application/json");
+            return Err(Refusal::new(StatusCode::BAD_REQUEST, text));
         }
+        let bytes = Bytes::from_request(request, state).await.map_err(unread)?;
+        from_json(&bytes, "the body").map(Self).map_err(|error| {
+            let status = match &error {
+                JsonError::Syntax(_) => StatusCode::BAD_REQUEST,
+                JsonError::Shape(_) => StatusCode::UNPROCESSABLE_ENTITY,
+            };
+            Refusal::new(status, error.to_string())
+        })
     }
 }
 
-fn unreadable(rejection: &JsonRejection) -> Refusal {
-    let status = rejection.status();
-    let status = if status == StatusCode::UNPROCESSABLE_ENTITY {
-        status
-    } else if status == StatusCode::PAYLOAD_TOO_LARGE {
-        return Refusal::new(status, "the body is longer than 65536 bytes");
-    } else {
-        StatusCode::BAD_REQUEST
-    };
-    Refusal::new(status, rejection.body_text())
+#[expect(clippy::needless_pass_by_value, reason = "for `map_err`")]
+fn unread(rejection: BytesRejection) -> Refusal {
+    if rejection.status() == StatusCode::PAYLOAD_TOO_LARGE {
+        let text = "the body is longer than 65536 bytes";
+        return Refusal::new(StatusCode::PAYLOAD_TOO_LARGE, text);
+    }
+    Refusal::new(StatusCode::BAD_REQUEST, rejection.body_text())
 }
 
 /// A query without keys that nobody knows.
@@ -142,8 +152,9 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequestParts<S> for Asked<T> {
         match Query::<T>::from_request_parts(parts, state).await {
             Ok(Query(value)) => Ok(Self(value)),
             Err(rejection) => {
-                let rejection: QueryRejection = rejection;
-                Err(Refusal::new(StatusCode::BAD_REQUEST, rejection.body_text()))
+                let query = parts.uri.query().unwrap_or_default();
+                let text = of_query(query, &rejection.body_text());
+                Err(Refusal::new(StatusCode::BAD_REQUEST, text))
             }
         }
     }

@@ -1,0 +1,14 @@
+/PROG  ABSENT_VALUE
+/ATTR
+OWNER		= MNEDITOR;
+DEFAULT_GROUP	= 1,*,*,*,*;
+/MN
+   1:  R[1]=VR[1].MES[2] ;
+/POS
+P[1:"here"]{
+   GP1:
+	UF : 0, UT : 1,		CONFIG : 'N U T, 0, 0, 0',
+	X = 900.000 mm,	Y = 0.000 mm,	Z = 700.000 mm,
+	W = 180.000 deg,	P = 0.000 deg,	R = 0.000 deg
+};
+/END

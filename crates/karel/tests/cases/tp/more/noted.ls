@@ -1,0 +1,9 @@
+/PROG  NOTED
+/ATTR
+OWNER		= MNEDITOR;
+DEFAULT_GROUP	= 1,*,*,*,*;
+/MN
+   1:  R[10]=R[10]+AR[1] ;
+   2:  SR[1]=AR[2] ;
+/POS
+/END
