@@ -6,6 +6,8 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use anyhow::{Context as _, Result, bail, ensure};
 use kinematics::serial::{JointKind, SerialArm};
+use kinematics::{Pose, Xyzwpr};
+use units::{Degrees, Millimeters};
 
 /// Positions, velocities and accelerations of the table's variables, in radians and meters.
 pub type ChainState = [Vec<f64>; 3];
@@ -15,12 +17,15 @@ pub type ChainState = [Vec<f64>; 3];
 pub enum Task {
     /// `computeJointJacobians` and `getJointJacobian` of the last joint in the world's directions.
     Jacobian,
+    /// `rnea`
+    InverseDynamics,
 }
 
 impl Task {
     fn word(self) -> &'static str {
         match self {
             Task::Jacobian => "jacobian",
+            Task::InverseDynamics => "rnea",
         }
     }
 }
@@ -60,8 +65,8 @@ impl Peer {
         Ok(peer)
     }
 
-    /// The table as placements between joint axes. Its last joint's frame is behind the link's way
-    /// along the axis, so it is the flange if the last row has neither length nor twist.
+    /// The table as placements between joint axes. Each joint's frame is behind the link's way along
+    /// the axis, so the last one is the flange if the last row has neither length nor twist.
     fn describe(&mut self, arm: &SerialArm) -> Result<()> {
         writeln!(self.commands, "chain {}", arm.degrees_of_freedom())?;
         let (mut a, mut twist) = (0.0, 0.0_f64);
@@ -72,14 +77,25 @@ impl Peer {
             };
             let (s, c) = twist.sin_cos();
             let d = joint.d / 1000.0;
-            writeln!(
-                self.commands,
-                "{kind} 1 0 0 0 {c} {} 0 {s} {c} {} {} {} 1 0 0 0 1 0 0 1 0 1",
-                -s,
-                a / 1000.0,
-                -s * d,
-                c * d
-            )?;
+            let place = [a / 1000.0, -s * d, c * d];
+            let turn = [1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c];
+            let inertia = joint
+                .inertia
+                .with_context(|| format!("{} has no inertia", joint.name))?;
+            // From the link's frame of the table to the joint's.
+            let inertia = inertia.seen_from(&Pose::try_from_xyzwpr(&Xyzwpr::new(
+                [joint.a, 0.0, 0.0].map(Millimeters),
+                [joint.alpha.to_degrees(), 0.0, 0.0].map(Degrees),
+            ))?);
+            let center = inertia.center_of_mass_m();
+            let moments = inertia.inertia_kg_m2();
+            let [xx, xy, xz] = [moments.m11, moments.m12, moments.m13];
+            let [yy, yz, zz] = [moments.m22, moments.m23, moments.m33];
+            let mass = [inertia.mass_kg(), center.x, center.y, center.z];
+            let moments = [xx, xy, xz, yy, yz, zz];
+            let parts: [&[f64]; 4] = [&turn, &place, &mass, &moments];
+            let numbers: Vec<String> = parts.concat().iter().map(f64::to_string).collect();
+            writeln!(self.commands, "{kind} {}", numbers.join(" "))?;
             (a, twist) = (joint.a, joint.alpha);
         }
         ensure!(
