@@ -154,11 +154,11 @@ fn peer_pose(pose: &Pose) -> rs_opw_kinematics::pose::Pose {
 
 /// A linear congruential generator (Knuth, MMIX): good enough to spread joints, and the same
 /// everywhere.
-struct Random(u64);
+pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
     /// From 0 to 1.
-    fn part(&mut self) -> f64 {
+    pub(crate) fn part(&mut self) -> f64 {
         self.0 = self
             .0
             .wrapping_mul(6_364_136_223_846_793_005)

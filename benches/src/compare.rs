@@ -24,10 +24,22 @@ pub fn compare<T, A, B>(
     mut ours: impl FnMut(&T) -> A,
     mut peer: impl FnMut(&T) -> B,
 ) -> Comparison {
-    let _ = (time(items, &mut ours), time(items, &mut peer));
-    let rounds: Vec<(f64, f64)> = (0..repeats)
-        .map(|_| (time(items, &mut ours), time(items, &mut peer)))
-        .collect();
+    in_turn(
+        repeats,
+        || time(items, &mut ours),
+        || time(items, &mut peer),
+    )
+}
+
+/// The same for variants that say themselves how many nanoseconds an item took, as a peer in
+/// another process does.
+pub fn in_turn(
+    repeats: usize,
+    mut ours: impl FnMut() -> f64,
+    mut peer: impl FnMut() -> f64,
+) -> Comparison {
+    let _ = (ours(), peer());
+    let rounds: Vec<(f64, f64)> = (0..repeats).map(|_| (ours(), peer())).collect();
     Comparison {
         ours_ns: median(rounds.iter().map(|(ours, _)| *ours).collect()),
         peer_ns: median(rounds.iter().map(|(_, peer)| *peer).collect()),
@@ -35,8 +47,8 @@ pub fn compare<T, A, B>(
     }
 }
 
-/// Nanoseconds an item.
-fn time<T, A>(items: &[T], run: &mut impl FnMut(&T) -> A) -> f64 {
+/// Nanoseconds an item, of this thread's CPU time.
+pub fn time<T, A>(items: &[T], run: &mut impl FnMut(&T) -> A) -> f64 {
     let start = cpu_seconds();
     for item in items {
         // By reference: a result is looked at where it is, not copied.

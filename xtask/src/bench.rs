@@ -4,6 +4,7 @@ use anyhow::Result;
 use clap::ValueEnum;
 
 use crate::command::cargo;
+use crate::pinocchio;
 
 /// The benchmarks.
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -12,6 +13,9 @@ pub(crate) enum Which {
     Kinematics,
     /// The same by criterion, with its statistics and plots.
     KinematicsCriterion,
+    /// The Jacobian and inverse dynamics beside Pinocchio (C++), which is installed into target/ and compiled; x86-64 with a
+    /// C++ compiler.
+    Pinocchio,
     /// Trajectories beside rsruckig, and the arm's transfer among obstacles.
     Planning,
     /// A tier-0 move beside raw TCP and a bare axum route.
@@ -41,6 +45,10 @@ pub(crate) fn run(which: Which, args: &[String]) -> Result<()> {
             ],
             args,
         ),
+        Which::Pinocchio => {
+            let peers = pinocchio::peers()?;
+            binary("pinocchio_ratio", &[&peers, args].concat())
+        }
         Which::Planning => binary("planning_ratio", args),
         Which::Bridge => binary("bridge", args),
         Which::Service => binary("service", args),

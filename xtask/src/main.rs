@@ -8,6 +8,7 @@ mod failures;
 mod fidelity;
 mod fuzz;
 mod openapi;
+mod pinocchio;
 mod plots;
 mod python;
 

@@ -33,8 +33,7 @@
 //! ```
 //!
 //! Lengths are millimeters, angles of the public types degrees where a person reads them and
-//! radians inside. This crate does no I/O and reads no clock; it does not know loads, collisions or
-//! time.
+//! radians inside. This crate does no I/O and reads no clock; it does not know collisions or time.
 #![expect(
     non_snake_case,
     reason = "frames are part of a pose's name: X_WF is the flange F in the world W"
@@ -48,6 +47,7 @@ mod checked;
 mod configuration;
 mod coupling;
 mod dh;
+pub mod dynamics;
 mod forward;
 mod frames;
 mod geometry;

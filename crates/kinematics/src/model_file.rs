@@ -1,6 +1,7 @@
 //! Reading and checking model files.
 
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 use units::{DegPerSec, DegPerSec2, DegPerSec3, Degrees, Millimeters, Radians};
 
 use crate::capsule::{CapsuleEntry, CapsuleError, expect_capsules};
@@ -158,6 +159,13 @@ struct JointEntry {
     max_acceleration_deg_s2: f64,
     max_jerk_deg_s3: Option<f64>,
     home_deg: f64,
+    /// Read by `SerialArm` only, as the next two.
+    #[serde(default, rename = "mass_kg")]
+    _mass_kg: IgnoredAny,
+    #[serde(default, rename = "center_of_mass_m")]
+    _center_of_mass_m: IgnoredAny,
+    #[serde(default, rename = "inertia_kg_m2")]
+    _inertia_kg_m2: IgnoredAny,
 }
 
 /// A joint whose numbers are in range.

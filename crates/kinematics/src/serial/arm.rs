@@ -9,6 +9,7 @@ use std::sync::LazyLock;
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, Rotation3, Vector3};
 
 use crate::capsule::Capsule;
+use crate::dynamics::LinkInertia;
 use crate::frames::Frames;
 use crate::pose::Pose;
 use crate::serial::error::{OutsideRange, SerialError};
@@ -94,6 +95,9 @@ pub struct SerialJoint {
     pub max_jerk: f64,
     /// Where the joint stands at home.
     pub home: f64,
+    /// What the link weighs, in its frame (behind the joint, in the standard convention); none if
+    /// the model file does not say.
+    pub inertia: Option<LinkInertia>,
 }
 
 impl SerialJoint {
@@ -228,6 +232,20 @@ impl SerialArm {
             span,
             capsules: Vec::new(),
         }
+    }
+
+    /// The same arm with links that weigh what somebody measured, base first, each in its link's
+    /// frame in the standard convention.
+    ///
+    /// # Errors
+    /// They are not as many as the arm has joints.
+    pub fn with_inertias(&self, inertias: &[LinkInertia]) -> Result<SerialArm, SerialError> {
+        self.check_count(inertias.len())?;
+        let mut arm = self.clone();
+        for (joint, inertia) in arm.joints.iter_mut().zip(inertias) {
+            joint.inertia = Some(*inertia);
+        }
+        Ok(arm)
     }
 
     pub(crate) fn with_capsules(self, capsules: Vec<Capsule>) -> SerialArm {

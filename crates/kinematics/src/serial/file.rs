@@ -7,6 +7,7 @@ use serde::Deserialize;
 use units::{Degrees, Millimeters};
 
 use crate::capsule::{CapsuleEntry, CapsuleError, expect_capsules};
+use crate::dynamics::{InertiaError, LinkInertia};
 use crate::limits::JERK_PER_ACCELERATION;
 use crate::pose::{Pose, PoseError};
 use crate::serial::arm::{JointKind, SerialArm, SerialJoint};
@@ -160,6 +161,24 @@ pub enum SerialModelError {
         /// Between them, in degrees.
         alpha_deg: f64,
     },
+    /// What the link weighs is no body's.
+    #[error("{joint}: {error}")]
+    Inertia {
+        /// The joint.
+        joint: String,
+        /// What is wrong with it.
+        error: InertiaError,
+    },
+    /// Only a part of what the link weighs.
+    #[error(
+        "{joint}: {missing} is missing; mass_kg, center_of_mass_m and inertia_kg_m2 are given together"
+    )]
+    InertiaPart {
+        /// The joint.
+        joint: String,
+        /// The key that is not there.
+        missing: &'static str,
+    },
     /// A capsule of the arm's shape that is none.
     #[error(transparent)]
     Capsule(#[from] CapsuleError),
@@ -252,6 +271,9 @@ struct JointEntry {
     max_jerk_mm_s3: Option<f64>,
     home_deg: Option<f64>,
     home_mm: Option<f64>,
+    mass_kg: Option<f64>,
+    center_of_mass_m: Option<[f64; 3]>,
+    inertia_kg_m2: Option<[[f64; 3]; 3]>,
 }
 
 fn plus_one() -> i8 {
@@ -330,10 +352,19 @@ fn to_standard(joints: &mut [SerialJoint]) -> Isometry3<f64> {
     behind.push((0.0, 0.0));
     for (joint, (a, alpha)) in joints.iter_mut().zip(behind) {
         (joint.a, joint.alpha) = (a, alpha);
+        // The link's frame moves along with its twist.
+        let back = twist(a, alpha).inverse();
+        let X_SM = Pose::from_parts(back.translation.vector, back.rotation);
+        joint.inertia = joint.inertia.map(|inertia| inertia.seen_from(&X_SM));
     }
+    twist(first_a, first_alpha)
+}
+
+/// `Tx(a) Rx(alpha)`
+fn twist(a: f64, alpha: f64) -> Isometry3<f64> {
     Isometry3::new(
-        nalgebra::Vector3::new(first_a, 0.0, 0.0),
-        nalgebra::Vector3::new(first_alpha, 0.0, 0.0),
+        nalgebra::Vector3::new(a, 0.0, 0.0),
+        nalgebra::Vector3::new(alpha, 0.0, 0.0),
     )
 }
 
@@ -439,6 +470,30 @@ fn check(entry: &JointEntry, before: &[SerialJoint]) -> Result<SerialJoint, Seri
         max_acceleration: kind.inside(acceleration),
         max_jerk: kind.inside(jerk),
         home: kind.inside(home),
+        inertia: inertia(entry)?,
+    })
+}
+
+/// In the link's frame of the file's table.
+fn inertia(entry: &JointEntry) -> Result<Option<LinkInertia>, SerialModelError> {
+    let joint = || entry.axis.clone();
+    let parts = (entry.mass_kg, entry.center_of_mass_m, entry.inertia_kg_m2);
+    let missing = match parts {
+        (None, None, None) => return Ok(None),
+        (Some(mass), Some(center), Some(inertia)) => {
+            let read = LinkInertia::try_new(mass, center, inertia);
+            return read.map(Some).map_err(|error| SerialModelError::Inertia {
+                joint: joint(),
+                error,
+            });
+        }
+        (None, ..) => "mass_kg",
+        (_, None, _) => "center_of_mass_m",
+        (.., None) => "inertia_kg_m2",
+    };
+    Err(SerialModelError::InertiaPart {
+        joint: joint(),
+        missing,
     })
 }
 
