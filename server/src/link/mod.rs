@@ -13,6 +13,7 @@ mod tcp;
 #[cfg(test)]
 mod tests;
 
+use std::fmt;
 use std::sync::Arc;
 
 use api::{LinkState, ProblemCode};
@@ -31,6 +32,7 @@ pub use tcp::{TcpConnection, TcpConnector};
 use crate::authority::Claim;
 use crate::journal::Trouble;
 use crate::motions::Permit;
+use crate::problem::Problem;
 use crate::request_id::RequestId;
 use crate::target::{Prepared, Refusal};
 
@@ -53,7 +55,27 @@ pub(crate) enum Order {
         change: [f64; 6],
         speed: MmPerSec,
         principal: Arc<str>,
+        check: TargetCheck,
     },
+}
+
+/// What a caller wants looked at once the target of a relative move is known, before anything is recorded or sent.
+pub(crate) struct TargetCheck(Box<LookAtTarget>);
+
+type LookAtTarget = dyn FnOnce(&Prepared) -> Result<(), Problem> + Send;
+
+impl TargetCheck {
+    pub(crate) fn new(
+        look: impl FnOnce(&Prepared) -> Result<(), Problem> + Send + 'static,
+    ) -> Self {
+        Self(Box::new(look))
+    }
+}
+
+impl fmt::Debug for TargetCheck {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("TargetCheck")
+    }
 }
 
 /// An order in the queue.
@@ -82,6 +104,8 @@ pub(crate) enum Answer {
     },
     /// The target of a relative move was refused.
     Refused(Refusal),
+    /// The target of a relative move did not pass the caller's check.
+    Forbidden(Problem),
     /// A relative move has nothing to count from.
     NoBase(Base),
     /// The intent of a relative move could not be kept; nothing was sent.

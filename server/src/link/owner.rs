@@ -10,7 +10,9 @@ use tokio_util::task::TaskTracker;
 use uuid::Uuid;
 
 use super::seed::{Answered, Drained, Exchange, drain};
-use super::{Answer, Base, Connector, FenceAnswer, Job, Link, LinkError, Order, Status};
+use super::{
+    Answer, Base, Connector, FenceAnswer, Job, Link, LinkError, Order, Status, TargetCheck,
+};
 use crate::authority::Claim;
 use crate::config::RobotPlan;
 use crate::metrics::LinkMetrics;
@@ -136,8 +138,9 @@ impl<C: Connector> Task<C> {
                 change,
                 speed,
                 principal,
+                check,
             } => match self
-                .begin_delta(change, speed, principal, &job.request_id)
+                .begin_delta(change, speed, principal, check, &job.request_id)
                 .await
             {
                 Ok(begun) => begun,
@@ -220,9 +223,11 @@ impl<C: Connector> Task<C> {
         change: [f64; 6],
         speed: units::MmPerSec,
         principal: Arc<str>,
+        check: TargetCheck,
         request_id: &RequestId,
     ) -> Result<(Permit, Prepared), Answer> {
         let prepared = self.resolve(change, speed)?;
+        (check.0)(&prepared).map_err(Answer::Forbidden)?;
         let entry = Entry {
             asked: Asked::of(&prepared),
             request_id: request_id.clone(),

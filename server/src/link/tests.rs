@@ -150,7 +150,11 @@ const LONG: Duration = Duration::from_secs(10);
 fn error_of(answer: Answer) -> LinkError {
     match answer {
         Answer::Failed { error, .. } => error,
-        Answer::Replied { .. } | Answer::Refused(_) | Answer::NoBase(_) | Answer::Unkept(_) => {
+        Answer::Replied { .. }
+        | Answer::Refused(_)
+        | Answer::Forbidden(_)
+        | Answer::NoBase(_)
+        | Answer::Unkept(_) => {
             panic!("{answer:?} is no failure")
         }
     }

@@ -17,7 +17,7 @@ use super::{Asked, End, Entered, Entry, KeyGuard, Record};
 use crate::authority;
 use crate::config::RobotPlan;
 use crate::journal::Trouble;
-use crate::link::{Answer, Base, Link, LinkError, Order, Turned};
+use crate::link::{Answer, Base, Link, LinkError, Order, TargetCheck, Turned};
 use crate::problem::Problem;
 use crate::request_id::RequestId;
 use crate::state::{Robot, RobotLink};
@@ -194,11 +194,13 @@ impl Robot {
         }
     }
 
-    /// Sends a move relative to the last accepted target and waits for what becomes of it.
+    /// Sends a move relative to the last accepted target and waits for what becomes of it. `check` sees the target the link
+    /// has come to, which no other move can change any more.
     pub(crate) async fn carry_out_delta(
         self: &Arc<Self>,
         change: [f64; 6],
         speed: MmPerSec,
+        check: TargetCheck,
         control: authority::Claim,
         request_id: RequestId,
     ) -> Result<Accepted, CommandFailure> {
@@ -211,6 +213,7 @@ impl Robot {
             change,
             speed,
             principal: Arc::from(control.actor()),
+            check,
         };
         let deadline = Instant::now() + self.plan.deadline;
         let answer = place.send(order, deadline, deadline, request_id.clone(), control);
@@ -265,6 +268,9 @@ impl Robot {
                 Err(CommandFailure::Problem(problem))
             }
             Some(Answer::Refused(refusal)) => Err(CommandFailure::Refused(refusal)),
+            Some(Answer::Forbidden(problem)) => {
+                Err(CommandFailure::Problem(problem.robot(&self.plan.id)))
+            }
             Some(Answer::NoBase(base)) => Err(CommandFailure::NoBase(base)),
             Some(Answer::Unkept(trouble)) => Err(CommandFailure::Problem(self.unkept(&trouble))),
             None => Err(CommandFailure::Problem(

@@ -21,12 +21,12 @@ use super::responses::{AnyProblem, BodyProblem, CrossSite, LinkProblem};
 use crate::authority::{Claim, token};
 use crate::extract::read_json;
 use crate::identity::Principal;
-use crate::link::Base;
+use crate::link::TargetCheck;
 use crate::motions::{Accepted, Asked, CommandFailure};
 use crate::problem::Problem;
 use crate::request_id::RequestId;
-use crate::state::{App, RobotLink, shown};
-use crate::target::{Prepared, Refusal, moved_by, sent_point};
+use crate::state::{App, shown};
+use crate::target::{Prepared, Refusal, sent_point};
 use crate::wire_bodies::{legacy_point, point_of_legacy};
 
 const POINT: [&str; 6] = ["x", "y", "z", "w", "p", "r"];
@@ -109,9 +109,12 @@ pub(super) async fn fanuc_delta(
 ) -> Result<Json<LegacyMoved>, LegacyError> {
     let robot = &app.legacy;
     let change = [body.dx, body.dy, body.dz, body.dw, body.dp, body.dr];
-    check_delta(&app, change, speed)?;
+    let of_zones = Arc::clone(&app);
+    let check = TargetCheck::new(move |prepared| {
+        motion_zones::check(&of_zones, &of_zones.legacy, &Asked::of(prepared))
+    });
     let sent = robot
-        .carry_out_delta(change, speed, claim, request_id)
+        .carry_out_delta(change, speed, check, claim, request_id)
         .await;
     answer(sent)
 }
@@ -127,24 +130,6 @@ pub(super) async fn version() -> Json<LegacyVersion> {
     })
 }
 
-/// Looks at the zones where a relative move would end. What else is wrong with it, and what it counts from in the end,
-/// is the link's to say.
-fn check_delta(app: &App, change: [f64; 6], speed: MmPerSec) -> Result<(), LegacyError> {
-    let robot = &app.legacy;
-    let RobotLink::Seed(link) = &robot.link else {
-        return Ok(());
-    };
-    let Base::Target(from) = link.status().base else {
-        return Ok(());
-    };
-    let target = moved_by(&from, change);
-    let Ok(prepared) = robot.plan.prepare_point(&target, speed) else {
-        return Ok(());
-    };
-    motion_zones::check(app, robot, &Asked::of(&prepared))
-        .map_err(|problem| LegacyError::unreachable(problem.detail()))
-}
-
 /// Sends a move that passed the server's checks, or says why it did not.
 async fn send(
     app: &App,
@@ -157,8 +142,7 @@ async fn send(
         refusal.log(&robot.plan.id, &request_id);
         LegacyError::of_refusal(&refusal, &POINT)
     })?;
-    motion_zones::check(app, robot, &Asked::of(&prepared))
-        .map_err(|problem| LegacyError::unreachable(problem.detail()))?;
+    motion_zones::check(app, robot, &Asked::of(&prepared)).map_err(LegacyError::of_problem)?;
     let within = robot.plan.deadline;
     let sent = robot.carry_out(prepared, claim, request_id, within).await;
     answer(sent)

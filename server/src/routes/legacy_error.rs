@@ -54,11 +54,23 @@ impl LegacyError {
             CommandFailure::NoBase(base) => {
                 Self::Refused(format!("ERROR: NO ACCEPTED TARGET: {}", no_base(base)))
             }
+            CommandFailure::Problem(problem) => Self::of_problem(problem),
+        }
+    }
+
+    /// A problem in the seed's words, where it has some.
+    pub(crate) fn of_problem(problem: Problem) -> Self {
+        let code = problem.code();
+        if code == ProblemCode::ControlHeld {
             // A legacy caller has no token to lose: somebody took control while the command waited.
-            CommandFailure::Problem(problem) if problem.code() == ProblemCode::ControlHeld => {
-                Self::Refused(format!("ERROR: NO CONTROL: {}", problem.detail()))
-            }
-            CommandFailure::Problem(problem) => Self::Problem(problem),
+            Self::Refused(format!("ERROR: NO CONTROL: {}", problem.detail()))
+        } else if matches!(
+            code,
+            ProblemCode::ZoneViolation | ProblemCode::InterlockViolation
+        ) {
+            Self::unreachable(problem.detail())
+        } else {
+            Self::Problem(problem)
         }
     }
 

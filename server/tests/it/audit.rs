@@ -7,8 +7,8 @@ use journal::{Filesystem, MemoryDisk, Opening, Record, SqliteJournal, SqliteOpti
 use serde_json::{Value, json};
 use server::SharedJournal;
 
-use crate::kept_motions::{opened, serve};
-use crate::support::{FakeRobot, Secured, TestServer, control_of, wait_until};
+use crate::kept_motions::serve;
+use crate::support::{FakeRobot, Secured, TestServer, control_of, opened, wait_until};
 
 const AUDIT: &str = "/api/v1/cells/c1/audit";
 const CONTROL: &str = "/api/v1/cells/c1/control-authority";

@@ -6,16 +6,16 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use api::Tier;
-use journal::{Clocks, Fault, KeyRetention, MemoryDisk, MemoryJournal, Opening};
-use server::SharedJournal;
+use journal::{Fault, MemoryDisk};
 use server::config::ServerSection;
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::time::timeout;
 
-use crate::support::{FakeRobot, MOTION, MOTIONS, TestServer, robot_section, until};
+use crate::support::{
+    DEMO_SETUP, FakeRobot, MOTION, MOTIONS, TestServer, opened, robot_section, until,
+};
 
-const DEMO_SETUP: &str = include_str!("../../../cell/demo.setup.toml");
 const STATE: &str = "/api/v1/cells/c1/robots/r1/state";
 const STOP: &str = "/api/v1/cells/c1/robots/r1/stop";
 const SETUP: &str = "/api/v1/cells/c1/setup";
@@ -23,18 +23,6 @@ const CHECK: &str = "/api/v1/cells/c1/setup/check";
 const TOML: (&str, &str) = ("content-type", "application/toml");
 /// Ends a test that hangs; says nothing about speed.
 const PATIENCE: Duration = Duration::from_mins(1);
-
-fn opened(disk: &MemoryDisk) -> SharedJournal {
-    let opening = Opening {
-        at: Clocks {
-            wall: jiff::Timestamp::now(),
-            monotonic: Duration::ZERO,
-        },
-        program: "test".into(),
-        keys: KeyRetention::default(),
-    };
-    SharedJournal::durable(MemoryJournal::open(disk, &opening).unwrap())
-}
 
 /// A demand for a check whose body never comes.
 async fn announces_a_large_body(server: &TestServer) -> TcpStream {

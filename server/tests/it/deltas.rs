@@ -3,7 +3,13 @@
 use std::sync::Arc;
 
 use crate::legacy_moves::POINT;
-use crate::support::{ACCEPTED, Act, FakeRobot, MOTION, MOTIONS, TestServer, robot_section};
+use journal::MemoryDisk;
+
+use crate::link_queue::queued;
+use crate::support::{
+    ACCEPTED, Act, DEMO_SETUP, FakeRobot, MOTION, MOTIONS, TestServer, opened, robot_section,
+    wait_until,
+};
 
 const UP: &str = r#"{"dx": 0, "dy": 0, "dz": 10.5, "dw": 0, "dp": 0, "dr": 0}"#;
 
@@ -104,4 +110,57 @@ async fn a_delta_to_where_the_arm_cannot_be_is_refused_and_keeps_the_base() {
     assert_eq!(robot.commands().len(), 1);
     let reply = server.post("/fanuc/delta", UP).await;
     assert_eq!(reply.json()["current_position"]["z"], 950.5);
+}
+
+/// Somewhere to the left of where the moves of the test below begin.
+const POST: &str = "
+[[zones]]
+id = \"post\"
+kind = \"KEEP_OUT\"
+box.min = { x_mm = 900, y_mm = 550, z_mm = 1200 }
+box.max = { x_mm = 1100, y_mm = 700, z_mm = 1600 }
+";
+
+/// The zones are looked at where the move ends that is sent, not where it would end from the target of a moment ago.
+///
+/// Covers: H4, H5.
+#[tokio::test]
+async fn h4_a_delta_whose_base_changed_while_it_waited_does_not_enter_a_keep_out_zone() {
+    let robot = FakeRobot::start([
+        Act::Reply(ACCEPTED),
+        Act::Held(ACCEPTED),
+        Act::Reply(ACCEPTED),
+    ])
+    .await;
+    let setup = format!("{DEMO_SETUP}{POST}");
+    let journal = opened(&MemoryDisk::new());
+    let server = TestServer::with_setup(robot_section(robot.address), &setup, journal).await;
+    let server = Arc::new(server);
+    let post = |path: &'static str, body: String| {
+        let server = Arc::clone(&server);
+        tokio::spawn(async move { server.post(path, &body).await })
+    };
+    let left = |mm: i32| UP.replace("\"dy\": 0", &format!("\"dy\": {mm}"));
+    assert_eq!(server.post("/fanuc/move", POINT).await.status, 200);
+    let aside = POINT.replace("\"y\": 0", "\"y\": 300");
+    assert_ne!(aside, POINT);
+    let aside = post("/fanuc/move", aside);
+    wait_until("the second move is with the robot", || {
+        robot.commands().len() == 2
+    })
+    .await;
+    // From the first target it would end 250 mm before the zone, from the second one in it.
+    let delta = post("/fanuc/delta", left(300));
+    queued(&server, 1).await;
+    robot.release();
+    assert_eq!(aside.await.unwrap().status, 200);
+    let reply = delta.await.unwrap();
+    assert_eq!(reply.status, 409, "{reply:?}");
+    let detail = reply.json()["detail"].as_str().unwrap().to_owned();
+    assert!(detail.starts_with("ERROR: POINT UNREACHABLE: "), "{detail}");
+    assert!(detail.contains("`post`"), "{detail}");
+    assert_eq!(robot.commands().len(), 2);
+    // What it counts from is still the second target.
+    let reply = server.post("/fanuc/delta", &left(-300)).await;
+    assert_eq!(reply.json()["current_position"]["y"], 0.0, "{reply:?}");
 }

@@ -3,33 +3,20 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicI64, Ordering};
-use std::time::Duration;
 
 use jiff::Timestamp;
-use journal::{Clocks, Fault, KeyRetention, MemoryDisk, MemoryJournal, Opening};
+use journal::{Fault, MemoryDisk};
 use serde_json::{Value, json};
 use server::config::{JournalSection, ServerSection};
-use server::{Seams, SharedJournal, SystemClock, TcpConnector, WallClock, open_journal};
+use server::{Seams, SystemClock, TcpConnector, WallClock, open_journal};
 
 use crate::legacy_moves::POINT;
 use crate::support::{
-    ACCEPTED, Act, FakeRobot, MOTION, MOTIONS, TestServer, robot_section, wait_until,
+    ACCEPTED, Act, FakeRobot, MOTION, MOTIONS, TestServer, opened, robot_section, wait_until,
 };
 
 const STOP: &str = "/api/v1/cells/c1/robots/r1/stop";
 const INTERVENTIONS: &str = "/api/v1/cells/c1/interventions";
-
-pub(crate) fn opened(disk: &MemoryDisk) -> SharedJournal {
-    let opening = Opening {
-        at: Clocks {
-            wall: Timestamp::now(),
-            monotonic: Duration::ZERO,
-        },
-        program: "test".into(),
-        keys: KeyRetention::default(),
-    };
-    SharedJournal::durable(MemoryJournal::open(disk, &opening).unwrap())
-}
 
 /// A server on what the disk has.
 pub(crate) async fn serve(robot: &FakeRobot, disk: &MemoryDisk) -> TestServer {

@@ -26,7 +26,8 @@ fn post(
     tokio::spawn(async move { server.post(MOTIONS, &body).await })
 }
 
-async fn queued(server: &TestServer, count: u64) {
+/// Waits until so many commands wait.
+pub(crate) async fn queued(server: &TestServer, count: u64) {
     loop {
         if server.get(STATE).await.json()["queued"] == count {
             return;

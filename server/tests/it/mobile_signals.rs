@@ -1,24 +1,11 @@
 //! Signals and outboxes of mobile robots over HTTP: numbering, copies, what is refused.
 
-use journal::{Clocks, KeyRetention, MemoryDisk, MemoryJournal, Opening};
+use journal::MemoryDisk;
 use serde_json::{Value, json};
-use server::SharedJournal;
 
-use crate::support::{FakeRobot, HttpReply, TestServer, robot_section};
+use crate::support::{FakeRobot, HttpReply, TestServer, opened, robot_section};
 
 pub(crate) const ROBOT: &str = "/api/v1/cells/c1/mobile-robots/mr1";
-
-pub(crate) fn opened(disk: &MemoryDisk) -> SharedJournal {
-    let opening = Opening {
-        at: Clocks {
-            wall: jiff::Timestamp::now(),
-            monotonic: std::time::Duration::ZERO,
-        },
-        program: "test".into(),
-        keys: KeyRetention::default(),
-    };
-    SharedJournal::durable(MemoryJournal::open(disk, &opening).unwrap())
-}
 
 /// A server with the demo's set-up, once its cell knows it.
 pub(crate) async fn serve(disk: &MemoryDisk) -> TestServer {

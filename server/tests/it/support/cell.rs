@@ -225,10 +225,19 @@ pub(crate) const DEMO_SETUP: &str = include_str!("../../../../cell/demo.setup.to
 impl TestServer {
     /// With the demo's set-up, and a journal that a later server may open again.
     pub(crate) async fn with_demo_setup(robot: RobotSection, journal: SharedJournal) -> Self {
+        Self::with_setup(robot, DEMO_SETUP, journal).await
+    }
+
+    /// With a set-up of its own.
+    pub(crate) async fn with_setup(
+        robot: RobotSection,
+        setup: &str,
+        journal: SharedJournal,
+    ) -> Self {
         let cell = CellSection {
             id: "c1".to_owned(),
             name: None,
-            setup: Some(SetupSource::Memory(DEMO_SETUP.to_owned())),
+            setup: Some(SetupSource::Memory(setup.to_owned())),
             push_urls: std::collections::BTreeMap::new(),
             robots: vec![robot],
         };

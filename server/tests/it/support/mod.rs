@@ -7,12 +7,12 @@ mod robot;
 mod secured;
 mod work;
 
-pub(crate) use cell::{MODEL, MOTION, MOTIONS, TestServer, fresh_key, robot_section};
+pub(crate) use cell::{DEMO_SETUP, MODEL, MOTION, MOTIONS, TestServer, fresh_key, robot_section};
 pub(crate) use client::HttpReply;
 pub(crate) use connector::{Attempt, ScriptedNetwork};
 pub(crate) use robot::{ACCEPTED, Act, FakeRobot};
 pub(crate) use secured::{Secured, control_of};
-pub(crate) use work::WorkCell;
+pub(crate) use work::{WorkCell, opened};
 
 use std::time::{Duration, Instant};
 

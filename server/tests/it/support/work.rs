@@ -11,14 +11,12 @@ use server::{Plan, Seams, SharedJournal, SystemClock, TcpConnector};
 use tokio::net::TcpListener;
 use tokio_util::sync::CancellationToken;
 
-use super::cell::{TestServer, robot_section};
+use super::cell::{DEMO_SETUP, TestServer, robot_section};
 use super::robot::FakeRobot;
 use super::until;
 
-const DEMO: &str = include_str!("../../../../cell/demo.setup.toml");
-
 /// A journal on a disk that a later server may open again.
-fn opened(disk: &MemoryDisk) -> SharedJournal {
+pub(crate) fn opened(disk: &MemoryDisk) -> SharedJournal {
     let opening = Opening {
         at: Clocks {
             wall: Timestamp::now(),
@@ -47,7 +45,7 @@ impl WorkCell {
         let cell = CellSection {
             id: "c1".to_owned(),
             name: None,
-            setup: Some(SetupSource::Memory(DEMO.to_owned())),
+            setup: Some(SetupSource::Memory(DEMO_SETUP.to_owned())),
             push_urls: std::collections::BTreeMap::new(),
             robots: vec![robot_section(robot.address)],
         };
