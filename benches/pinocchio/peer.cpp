@@ -5,7 +5,8 @@
 //                mass, center of mass, inertia about it (xx xy xz yy yz zz)
 //   states M     M lines: positions, velocities, accelerations
 //   results jacobian|rnea    M lines of numbers
-//   run jacobian|rnea        nanoseconds of the thread's CPU time a state
+//   run jacobian|rnea P      nanoseconds of the thread's CPU time a state: one pass over all states
+//                            that does not count, then P passes
 //
 // Meters, radians, kilograms. The Jacobian is the last joint's frame's, in the directions of the
 // world, linear above angular. Pinocchio's algorithms are templates and are compiled here, with
@@ -144,13 +145,25 @@ struct Peer {
     }
 
     template <typename Each>
-    void run(Each each) {
-        const double begun = cpu_seconds();
+    void pass(Each each) {
         for (const State &state : states) {
             keep(each(state));
         }
+    }
+
+    template <typename Each>
+    void run(Each each) {
+        std::size_t passes = 0;
+        if (!(std::cin >> passes) || passes == 0) {
+            refuse("run: how many passes?");
+        }
+        pass(each);
+        const double begun = cpu_seconds();
+        for (std::size_t done = 0; done < passes; ++done) {
+            pass(each);
+        }
         const double used = cpu_seconds() - begun;
-        std::cout << used * 1e9 / static_cast<double>(states.size()) << std::endl;
+        std::cout << used * 1e9 / static_cast<double>(states.size() * passes) << std::endl;
     }
 
     static double cpu_seconds() {

@@ -8,11 +8,10 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use crate::dynamics::body::Body;
 use crate::dynamics::inertia::LinkInertia;
-use crate::dynamics::recursion::{Link, Turn, forces};
+use crate::dynamics::recursion::{Link, Room, forces};
 use crate::dynamics::state::JointState;
 use crate::lanes::{
     Instructions, LANES, Lane, Level, Number, One, Simd, SimdBase, SimdFrom, dispatch, for_one,
-    transpose,
 };
 use crate::serial::{JointKind, SerialArm, SerialError};
 use crate::trigonometry::sin_cos;
@@ -21,9 +20,17 @@ use crate::trigonometry::sin_cos;
 pub const STANDARD_GRAVITY: f64 = 9.806_65;
 /// Nothing on which an arm stands is accelerated more.
 const MAX_GRAVITY: f64 = 1e4;
-/// Room for the joints: most arms, and the longest that a file may have.
-const FEW: usize = 9;
+/// Room for the joints: of most arms, of some, and of the longest that a file may have. Each three times
+/// something, since three angles go through the sine together.
+const FEW: usize = 6;
+const SOME: usize = 9;
 const MANY: usize = 33;
+
+/// States that go through the instructions' gate together.
+const GROUPS: usize = 8;
+
+/// Their torques.
+type Torques<const K: usize> = [[[f64; K]; LANES]; GROUPS];
 
 /// What acts on an arm from outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,6 +82,8 @@ pub enum DynamicsError {
 pub struct InverseDynamics {
     name: String,
     joints: Vec<Joint>,
+    /// Base first.
+    couplings: Vec<Coupling>,
     links: Vec<Link>,
     /// The acceleration of the base that gravity is like, in the frame 0.
     lift: [f64; 3],
@@ -91,16 +100,16 @@ struct Joint {
     /// Sign and unit.
     scale: f64,
     offset: f64,
-    couplings: Vec<Coupled>,
 }
 
-/// A displayed value that adds to a variable.
+/// A displayed value that adds to another joint's variable, which is behind it.
 #[derive(Clone, Copy, Debug)]
-struct Coupled {
-    joint: usize,
-    /// Of the value.
+struct Coupling {
+    from: usize,
+    to: usize,
+    /// Of the value, as a part of the other joint's displayed one.
     factor: f64,
-    /// Of the force, back.
+    /// Of the force, back: as a part of the force of the first joint's variable.
     force: f64,
 }
 
@@ -126,6 +135,7 @@ impl InverseDynamics {
         Ok(Self {
             name: arm.name.clone(),
             joints: joints(arm),
+            couplings: couplings(arm),
             links: links_of(arm, load),
             lift: (arm.base.rotation.inverse() * -load.gravity_m_s2).into(),
             level: Level::new(),
@@ -163,11 +173,15 @@ impl InverseDynamics {
     /// The state is another arm's, or there are not as many places as joints.
     pub fn torques_into(&self, state: &JointState, torques: &mut [f64]) -> Result<(), SerialError> {
         self.check_count(torques.len())?;
-        let state = self.expect_own(state)?;
+        self.check_count(state.0.len())?;
+        let state = &state.0;
+        let level = for_one(self.level);
         if self.joints.len() <= FEW {
-            torques.copy_from_slice(part(&self.one::<FEW>(state), torques.len()));
+            dispatch!(level, simd => one::<_, FEW>(simd, self, state, torques));
+        } else if self.joints.len() <= SOME {
+            dispatch!(level, simd => one::<_, SOME>(simd, self, state, torques));
         } else {
-            torques.copy_from_slice(part(&self.one::<MANY>(state), torques.len()));
+            dispatch!(level, simd => one::<_, MANY>(simd, self, state, torques));
         }
         Ok(())
     }
@@ -175,49 +189,40 @@ impl InverseDynamics {
     /// The torques of each of `states`, given to `each` with its index, in order: four at a time.
     ///
     /// # Errors
-    /// A state is another arm's; those before it were given to `each`.
+    /// A state is another arm's; none was given to `each`.
     pub fn torques_batch(
         &self,
         states: &[JointState],
         each: impl FnMut(usize, &[f64]),
     ) -> Result<(), SerialError> {
-        if self.joints.len() <= FEW {
-            self.batch::<FEW>(states, each)
-        } else {
-            self.batch::<MANY>(states, each)
+        for state in states {
+            self.check_count(state.0.len())?;
         }
+        if self.joints.len() <= FEW {
+            self.batch(states, few, each);
+        } else if self.joints.len() <= SOME {
+            self.batch(states, some, each);
+        } else {
+            self.batch(states, many, each);
+        }
+        Ok(())
     }
 
     fn batch<const K: usize>(
         &self,
         states: &[JointState],
+        groups: fn(&Self, &[JointState], &mut Torques<K>),
         mut each: impl FnMut(usize, &[f64]),
-    ) -> Result<(), SerialError> {
+    ) {
+        let mut torques = [[[0.0; K]; LANES]; GROUPS];
         let mut index = 0;
-        for states in states.chunks(LANES) {
-            // What is missing in the last four is the last one again.
-            let at = |lane: usize| states.get(lane).or(states.last());
-            let (Some(a), Some(b), Some(c), Some(d)) = (at(0), at(1), at(2), at(3)) else {
-                continue;
-            };
-            let four = [
-                self.expect_own(a)?,
-                self.expect_own(b)?,
-                self.expect_own(c)?,
-                self.expect_own(d)?,
-            ];
-            let torques = self.four::<K>(four);
-            for (_, torques) in states.iter().zip(&torques) {
-                each(index, part(torques, self.joints.len()));
+        for states in states.chunks(LANES * GROUPS) {
+            groups(self, states, &mut torques);
+            for (_, torques) in states.iter().zip(torques.as_flattened()) {
+                each(index, torques.get(..self.joints.len()).unwrap_or(torques));
                 index += 1;
             }
         }
-        Ok(())
-    }
-
-    fn expect_own<'a>(&self, state: &'a JointState) -> Result<&'a [[f64; 3]], SerialError> {
-        self.check_count(state.0.len())?;
-        Ok(&state.0)
     }
 
     fn check_count(&self, given: usize) -> Result<(), SerialError> {
@@ -230,46 +235,57 @@ impl InverseDynamics {
             given,
         })
     }
-
-    fn one<const K: usize>(&self, state: &[[f64; 3]]) -> [f64; K] {
-        dispatch!(for_one(self.level), simd => one(simd, self, state))
-    }
-
-    fn four<const K: usize>(&self, states: [&[[f64; 3]]; LANES]) -> [[f64; K]; LANES] {
-        dispatch!(self.level, simd => four(simd, self, states))
-    }
 }
 
-fn part(values: &[f64], count: usize) -> &[f64] {
-    values.get(..count).unwrap_or(values)
+// Not generic, so that each is compiled here, whoever calls.
+fn few(dynamics: &InverseDynamics, states: &[JointState], torques: &mut Torques<FEW>) {
+    dispatch!(dynamics.level, simd => groups(simd, dynamics, states, torques));
+}
+
+fn some(dynamics: &InverseDynamics, states: &[JointState], torques: &mut Torques<SOME>) {
+    dispatch!(dynamics.level, simd => groups(simd, dynamics, states, torques));
+}
+
+fn many(dynamics: &InverseDynamics, states: &[JointState], torques: &mut Torques<MANY>) {
+    dispatch!(dynamics.level, simd => groups(simd, dynamics, states, torques));
+}
+
+/// Radians or meters in a joint's own unit.
+fn unit(kind: JointKind) -> f64 {
+    match kind {
+        JointKind::Revolute => 1.0,
+        JointKind::Prismatic => 1e-3,
+    }
 }
 
 fn joints(arm: &SerialArm) -> Vec<Joint> {
-    let unit = |kind: JointKind| match kind {
-        JointKind::Revolute => 1.0,
-        JointKind::Prismatic => 1e-3,
-    };
-    let unit_of = |index: usize| arm.joints.get(index).map_or(1.0, |other| unit(other.kind));
-    let joints = arm.joints.iter().map(|joint| {
-        let own = unit(joint.kind);
-        Joint {
-            kind: joint.kind,
-            theta: joint.theta,
-            sign: joint.sign,
-            scale: joint.sign * own,
-            offset: joint.offset * own,
-            couplings: joint
-                .couplings
-                .iter()
-                .map(|(other, factor)| Coupled {
-                    joint: *other,
-                    factor: factor * own,
-                    force: factor * own / unit_of(*other),
-                })
-                .collect(),
-        }
+    let joints = arm.joints.iter().map(|joint| Joint {
+        kind: joint.kind,
+        theta: joint.theta,
+        sign: joint.sign,
+        scale: joint.sign * unit(joint.kind),
+        offset: joint.offset * unit(joint.kind),
     });
     joints.collect()
+}
+
+fn couplings(arm: &SerialArm) -> Vec<Coupling> {
+    let mut couplings = Vec::new();
+    for (to, joint) in arm.joints.iter().enumerate() {
+        for (from, factor) in &joint.couplings {
+            let Some(other) = arm.joints.get(*from) else {
+                continue;
+            };
+            couplings.push(Coupling {
+                from: *from,
+                to,
+                // The signs are 1 or -1, so multiplying divides.
+                factor: factor * joint.sign,
+                force: factor * unit(joint.kind) / unit(other.kind) * other.sign,
+            });
+        }
+    }
+    couplings
 }
 
 /// From the flange to the base: what is on a joint's axis goes to the link before.
@@ -316,41 +332,43 @@ fn way([a, d, alpha]: [f64; 3]) -> Isometry3<f64> {
     )
 }
 
-/// The variables of the table with their rates and accelerations.
+/// Each value adds to those it is coupled to, which are behind it and are done before it.
 #[inline(always)]
-fn variables<N: Number, const K: usize>(joints: &[Joint], shown: &[[N; 3]; K]) -> [[N; 3]; K] {
-    let mut variables = *shown;
-    for (variable, joint) in variables.iter_mut().zip(joints) {
-        for part in variable.iter_mut() {
-            *part = *part * joint.scale;
-        }
-        for coupled in &joint.couplings {
-            if let Some(shown) = shown.get(coupled.joint) {
-                for (part, shown) in variable.iter_mut().zip(shown) {
-                    *part = shown.scaled_plus(coupled.factor, *part);
-                }
+fn couple<N: Number>(couplings: &[Coupling], values: &mut [[N; 3]]) {
+    for coupling in couplings.iter().rev() {
+        let Some((before, [value, ..])) = values.split_at_mut_checked(coupling.to) else {
+            continue;
+        };
+        if let Some(shown) = before.get(coupling.from) {
+            for (part, shown) in value.iter_mut().zip(shown) {
+                *part = shown.scaled_plus(coupling.factor, *part);
             }
         }
-        variable[0] = variable[0] + joint.offset;
     }
-    variables
 }
 
-/// The forces of the displayed values from those of the variables.
+/// The forces of the table's variables become those of the displayed values.
 #[inline(always)]
-fn displayed<N: Number, const K: usize>(joints: &[Joint], forces: &[N; K]) -> [N; K] {
-    let mut displayed = *forces;
-    for (displayed, joint) in displayed.iter_mut().zip(joints) {
-        *displayed = *displayed * joint.sign;
-    }
-    for (force, joint) in forces.iter().zip(joints) {
-        for coupled in &joint.couplings {
-            if let Some(displayed) = displayed.get_mut(coupled.joint) {
-                *displayed = force.scaled_plus(coupled.force, *displayed);
-            }
+fn to_displayed<N: Number>(dynamics: &InverseDynamics, forces: &mut [N]) {
+    for coupling in &dynamics.couplings {
+        let Some((before, [force, ..])) = forces.split_at_mut_checked(coupling.to) else {
+            continue;
+        };
+        if let Some(other) = before.get_mut(coupling.from) {
+            *other = force.scaled_plus(coupling.force, *other);
         }
     }
-    displayed
+    for (force, joint) in forces.iter_mut().zip(&dynamics.joints) {
+        *force = *force * joint.sign;
+    }
+}
+
+impl Joint {
+    /// The variable of the table, its rate and its acceleration out of the displayed ones.
+    #[inline(always)]
+    fn variable<N: Number>(&self, [q, v, a]: [N; 3]) -> [N; 3] {
+        [q * self.scale + self.offset, v * self.scale, a * self.scale]
+    }
 }
 
 #[inline(always)]
@@ -358,21 +376,22 @@ fn one<S: Simd, const K: usize>(
     simd: S,
     dynamics: &InverseDynamics,
     state: &[[f64; 3]],
-) -> [f64; K] {
-    let zero = One::new(simd, 0.0);
-    let mut shown = [[zero; 3]; K];
-    for (shown, [q, v, a]) in shown.iter_mut().zip(state) {
-        *shown = [One::new(simd, *q), One::new(simd, *v), One::new(simd, *a)];
+    torques: &mut [f64],
+) {
+    let mut room: Room<One<S>, K> = Room::new(One::new(simd, 0.0));
+    for (motion, [q, v, a]) in room.motions.iter_mut().zip(state) {
+        *motion = [One::new(simd, *q), One::new(simd, *v), One::new(simd, *a)];
     }
-    let motions = variables(&dynamics.joints, &shown);
+    couple(&dynamics.couplings, &mut room.motions);
     // Four angles in a vector, instead of one by one.
-    let mut turns = [(zero, zero); K];
-    let angles = dynamics.joints.chunks(LANES).zip(motions.chunks(LANES));
-    for ((joints, motions), turns) in angles.zip(turns.chunks_mut(LANES)) {
+    let motions = room.motions.chunks_mut(LANES);
+    let turns = room.turns.chunks_mut(LANES);
+    for ((joints, motions), turns) in dynamics.joints.chunks(LANES).zip(motions).zip(turns) {
         let mut angles = [0.0; LANES];
-        for ((angle, joint), [q, ..]) in angles.iter_mut().zip(joints).zip(motions) {
+        for ((angle, joint), motion) in angles.iter_mut().zip(joints).zip(motions) {
+            *motion = joint.variable(*motion);
             *angle = match joint.kind {
-                JointKind::Revolute => q.value,
+                JointKind::Revolute => motion[0].value,
                 JointKind::Prismatic => joint.theta,
             };
         }
@@ -382,13 +401,34 @@ fn one<S: Simd, const K: usize>(
             *turn = (One::new(simd, sine), One::new(simd, cosine));
         }
     }
-    let found: [One<S>; K] = forces(&dynamics.links, &turns, &motions, dynamics.lift, zero);
-    let found = displayed(&dynamics.joints, &found);
-    let mut torques = [0.0; K];
-    for (torque, found) in torques.iter_mut().zip(found) {
+    forces(&dynamics.links, dynamics.lift, &mut room);
+    to_displayed(dynamics, &mut room.forces);
+    for (torque, found) in torques.iter_mut().zip(&room.forces) {
         *torque = found.value;
     }
-    torques
+}
+
+#[inline(always)]
+fn groups<S: Simd, const K: usize>(
+    simd: S,
+    dynamics: &InverseDynamics,
+    states: &[JointState],
+    torques: &mut Torques<K>,
+) {
+    let mut room: Room<Lane<S>, K> = Room::new(Lane::splat(simd, 0.0));
+    for (states, torques) in states.chunks(LANES).zip(torques) {
+        // What is missing in the last four is the last one again.
+        let at = |lane: usize| states.get(lane).or(states.last());
+        let (Some(a), Some(b), Some(c), Some(d)) = (at(0), at(1), at(2), at(3)) else {
+            continue;
+        };
+        four(simd, dynamics, [&a.0, &b.0, &c.0, &d.0], &mut room);
+        let [first, second, third, fourth] = torques;
+        let cells = first.iter_mut().zip(second).zip(third).zip(fourth);
+        for (found, (((a, b), c), d)) in room.forces.iter().zip(cells) {
+            [*a, *b, *c, *d] = (*found).into();
+        }
+    }
 }
 
 #[inline(always)]
@@ -396,33 +436,30 @@ fn four<S: Simd, const K: usize>(
     simd: S,
     dynamics: &InverseDynamics,
     [a, b, c, d]: [&[[f64; 3]]; LANES],
-) -> [[f64; K]; LANES] {
-    let zero = Lane::splat(simd, 0.0);
-    let mut shown = [[zero; 3]; K];
-    for ((((shown, a), b), c), d) in shown.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+    room: &mut Room<Lane<S>, K>,
+) {
+    for ((((motion, a), b), c), d) in room.motions.iter_mut().zip(a).zip(b).zip(c).zip(d) {
         let ([qa, va, aa], [qb, vb, ab], [qc, vc, ac], [qd, vd, ad]) = (*a, *b, *c, *d);
-        *shown = [
+        *motion = [
             Lane::simd_from(simd, [qa, qb, qc, qd]),
             Lane::simd_from(simd, [va, vb, vc, vd]),
             Lane::simd_from(simd, [aa, ab, ac, ad]),
         ];
     }
-    let motions = variables(&dynamics.joints, &shown);
-    let mut angles = [zero; K];
-    for ((angle, joint), [q, ..]) in angles.iter_mut().zip(&dynamics.joints).zip(&motions) {
-        *angle = match joint.kind {
-            JointKind::Revolute => *q,
-            JointKind::Prismatic => Lane::splat(simd, joint.theta),
-        };
+    couple(&dynamics.couplings, &mut room.motions);
+    let (turns, _) = room.turns.as_chunks_mut::<3>();
+    let (motions, _) = room.motions.as_chunks_mut::<3>();
+    for ((joints, motions), turns) in dynamics.joints.chunks(3).zip(motions).zip(turns) {
+        let mut angles = [Lane::splat(simd, 0.0); 3];
+        for ((angle, joint), motion) in angles.iter_mut().zip(joints).zip(motions) {
+            *motion = joint.variable(*motion);
+            *angle = match joint.kind {
+                JointKind::Revolute => motion[0],
+                JointKind::Prismatic => Lane::splat(simd, joint.theta),
+            };
+        }
+        *turns = sin_cos(angles);
     }
-    let mut turns: [Turn<Lane<S>>; K] = [(zero, zero); K];
-    // K is a multiple of three.
-    let (turn_groups, _) = turns.as_chunks_mut::<3>();
-    let (angle_groups, _) = angles.as_chunks::<3>();
-    let groups = turn_groups.iter_mut().zip(angle_groups);
-    for (turns, angles) in groups.take(dynamics.joints.len().div_ceil(3)) {
-        *turns = sin_cos(*angles);
-    }
-    let found: [Lane<S>; K] = forces(&dynamics.links, &turns, &motions, dynamics.lift, zero);
-    transpose(&displayed(&dynamics.joints, &found))
+    forces(&dynamics.links, dynamics.lift, room);
+    to_displayed(dynamics, &mut room.forces);
 }

@@ -91,7 +91,7 @@ impl Twist {
                     let [x, y, z] = *vector;
                     *vector = [
                         x,
-                        y.scaled_plus(cosine, z * -sine),
+                        (-z).scaled_plus(sine, y * cosine),
                         z.scaled_plus(cosine, y * sine),
                     ];
                 }
@@ -176,16 +176,17 @@ impl Moments {
             uyx.scaled_plus(m.x, uyy * m.y),
             uzx.scaled_plus(m.x, uzy * m.y),
         ];
-        let x = az.scaled_plus(m.y, uyx * -m.xz);
+        // A vector's sign goes into the multiplication, a factor's does not.
+        let x = (-uyx).scaled_plus(m.xz, az * m.y);
         let x = (uzz - uyy).scaled_plus(m.yz, x);
         let x = uzx.scaled_plus(m.xy, uzy.scaled_plus(m.yy, x));
-        let y = az.scaled_plus(-m.x, uxy * m.yz);
+        let y = (-az).scaled_plus(m.x, uxy * m.yz);
         let y = (uxx - uzz).scaled_plus(m.xz, y);
-        let y = uzx.scaled_plus(-m.xx, uzy.scaled_plus(-m.xy, y));
-        let z = ay.scaled_plus(m.x, ax * -m.y);
+        let y = (-uzx).scaled_plus(m.xx, (-uzy).scaled_plus(m.xy, y));
+        let z = (-ax).scaled_plus(m.y, ay * m.x);
         let z = (uyy - uxx).scaled_plus(m.xy, z);
         let z = uyx.scaled_plus(m.xx, uyz.scaled_plus(m.xz, z));
-        let z = uxy.scaled_plus(-m.yy, uxz.scaled_plus(-m.yz, z));
+        let z = (-uxy).scaled_plus(m.yy, (-uxz).scaled_plus(m.yz, z));
         let mut moment = [x, y, z];
         if let Some([mass, along, second]) = self.on_axis {
             force = [
@@ -194,7 +195,7 @@ impl Moments {
                 az.scaled_plus(mass, uzz.scaled_plus(along, force[2])),
             ];
             moment = [
-                ay.scaled_plus(-along, uyz.scaled_plus(-second, moment[0])),
+                (-ay).scaled_plus(along, (-uyz).scaled_plus(second, moment[0])),
                 ax.scaled_plus(along, uxz.scaled_plus(second, moment[1])),
                 moment[2],
             ];
@@ -203,38 +204,64 @@ impl Moments {
     }
 }
 
-/// The forces of the table's variables, base first: torques in N m, forces in N.
-///
-/// `turns` are the sines and cosines about each joint's axis, `motions` each joint's value, rate
-/// and acceleration in radians and meters; the base is accelerated upwards by what gravity is
-/// downwards, `lift` in its own frame. `like` is any number of as many lanes.
+/// What goes into [`forces`] and comes out, of K joints at most. It is made once for many states.
+pub(crate) struct Room<N, const K: usize> {
+    /// Each joint's value, rate and acceleration, in radians and meters.
+    pub(crate) motions: [[N; 3]; K],
+    /// About each joint's axis.
+    pub(crate) turns: [Turn<N>; K],
+    /// The forces of the table's variables, base first: torques in N m, forces in N.
+    pub(crate) forces: [N; K],
+    /// Force and moment on each link.
+    acting: [[Vector<N>; 2]; K],
+    zero: N,
+}
+
+impl<N: Number, const K: usize> Room<N, K> {
+    #[inline(always)]
+    pub(crate) fn new(zero: N) -> Self {
+        Self {
+            motions: [[zero; 3]; K],
+            turns: [(zero, zero); K],
+            forces: [zero; K],
+            acting: [[[zero; 3]; 2]; K],
+            zero,
+        }
+    }
+}
+
+/// The forces for the motions and turns in `room`. The base is accelerated upwards by what gravity
+/// is downwards, `lift` in its own frame.
 #[inline(always)]
 pub(crate) fn forces<N: Number, const K: usize>(
     links: &[Link],
-    turns: &[Turn<N>],
-    motions: &[[N; 3]],
     lift: [f64; 3],
-    like: N,
-) -> [N; K] {
-    let zero = like.like(0.0);
+    room: &mut Room<N, K>,
+) {
+    let Room {
+        motions,
+        turns,
+        acting,
+        forces,
+        zero,
+    } = room;
+    let zero = *zero;
     let [x, y, z] = lift;
     let mut moving = Moving {
         w: [zero; 3],
         dw: [zero; 3],
-        acc: [like.like(x), like.like(y), like.like(z)],
+        acc: [zero.like(x), zero.like(y), zero.like(z)],
         u: [[zero; 3]; 3],
     };
-    let mut acting = [[[zero; 3]; 2]; K];
-    let joints = links.iter().zip(turns).zip(motions);
-    for (((link, turn), motion), acting) in joints.zip(&mut acting) {
+    let joints = links.iter().zip(&*turns).zip(&*motions);
+    for (((link, turn), motion), acting) in joints.zip(&mut *acting) {
         moving.goes_on(link, *turn, *motion);
         *acting = link.moments.forces(moving.acc, &moving.u);
     }
 
-    let mut forces = [zero; K];
     let [mut f, mut n] = [[zero; 3]; 2];
-    let joints = links.iter().zip(turns).zip(motions);
-    let all = joints.zip(&acting).zip(&mut forces);
+    let joints = links.iter().zip(&*turns).zip(&*motions);
+    let all = joints.zip(&*acting).zip(forces);
     for ((((link, (s, c)), [q, ..]), [force, moment]), out) in all.rev() {
         f = plus(f, *force);
         n = plus(n, *moment);
@@ -253,15 +280,14 @@ pub(crate) fn forces<N: Number, const K: usize>(
         link.twist.turn(&mut both);
         [f, n] = both;
         if let Some(a) = link.a {
-            n[1] = f[2].scaled_plus(-a, n[1]);
+            n[1] = (-f[2]).scaled_plus(a, n[1]);
             n[2] = f[1].scaled_plus(a, n[2]);
         }
         if let Some(d) = link.d {
-            n[0] = f[1].scaled_plus(-d, n[0]);
+            n[0] = (-f[1]).scaled_plus(d, n[0]);
             n[1] = f[0].scaled_plus(d, n[1]);
         }
     }
-    forces
 }
 
 /// How a link moves: angular velocity and acceleration, the acceleration of its origin, and `U`.
