@@ -4,17 +4,23 @@ use std::collections::VecDeque;
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
 /// Six joint angles as the pendant shows them, in degrees.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
 #[expect(missing_docs, reason = "the six axes")]
 pub struct JointsDeg {
+    #[serde(serialize_with = "as_shown")]
     pub j1: f64,
+    #[serde(serialize_with = "as_shown")]
     pub j2: f64,
+    #[serde(serialize_with = "as_shown")]
     pub j3: f64,
+    #[serde(serialize_with = "as_shown")]
     pub j4: f64,
+    #[serde(serialize_with = "as_shown")]
     pub j5: f64,
+    #[serde(serialize_with = "as_shown")]
     pub j6: f64,
 }
 
@@ -41,11 +47,17 @@ impl From<JointsDeg> for [f64; 6] {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
 #[expect(missing_docs, reason = "the six components")]
 pub struct PoseMmDeg {
+    #[serde(serialize_with = "as_shown")]
     pub x_mm: f64,
+    #[serde(serialize_with = "as_shown")]
     pub y_mm: f64,
+    #[serde(serialize_with = "as_shown")]
     pub z_mm: f64,
+    #[serde(serialize_with = "as_shown")]
     pub w_deg: f64,
+    #[serde(serialize_with = "as_shown")]
     pub p_deg: f64,
+    #[serde(serialize_with = "as_shown")]
     pub r_deg: f64,
 }
 
@@ -92,6 +104,15 @@ impl std::fmt::Display for PoseMmDeg {
             "({x_mm:.3}, {y_mm:.3}, {z_mm:.3}, {w_deg:.3}, {p_deg:.3}, {r_deg:.3})"
         )
     }
+}
+
+/// As people read it: see [`units::shown`]. Inside, numbers keep all their digits.
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde hands over a reference"
+)]
+fn as_shown<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_f64(units::shown(*value))
 }
 
 /// What happened to a motion.

@@ -262,7 +262,9 @@ impl<'de> Deserialize<'de> for Fault {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let mut keys = Map::deserialize(deserializer)?;
         let Some(Value::String(name)) = keys.remove(TAG) else {
-            return Err(D::Error::custom("`fault` must name a fault, e.g. \"LATE\""));
+            return Err(D::Error::custom(
+                "fault: missing, or no text; it names the fault, e.g. \"LATE\"",
+            ));
         };
         let nested = Value::Object(Map::from_iter([(name.clone(), Value::Object(keys))]));
         let mut track = Track::new();
@@ -274,7 +276,10 @@ impl<'de> Deserialize<'de> for Fault {
                 .and_then(|key| key.strip_prefix('.'))
             {
                 Some(key) => D::Error::custom(format!("{key}: {error}")),
-                None => D::Error::custom(error),
+                None => match error.to_string().strip_prefix("unknown variant ") {
+                    Some(known) => D::Error::custom(format!("{TAG}: there is no {known}")),
+                    None => D::Error::custom(error),
+                },
             }
         })
     }

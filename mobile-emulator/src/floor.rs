@@ -2,7 +2,7 @@
 
 use api::{FloorAreaBody, FloorPoseBody};
 use mobile_base::{Footprint, Obstacle, OutOfRange, PlanarPose, Point};
-use units::{Degrees, Millimeters, Radians};
+use units::{Degrees, Millimeters, Radians, shown};
 
 /// A zone of the floor that needs a permit.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,12 +77,12 @@ pub(crate) fn pose_of(body: &FloorPoseBody) -> Result<PlanarPose, OutOfRange> {
     )
 }
 
-/// A pose as the edge writes it.
+/// A pose as the edge writes it, its numbers as people read them.
 pub(crate) fn body_of(pose: PlanarPose) -> FloorPoseBody {
     FloorPoseBody {
-        x_mm: pose.position().x().0,
-        y_mm: pose.position().y().0,
-        heading_deg: Degrees::from(pose.heading()).0,
+        x_mm: shown(pose.position().x().0),
+        y_mm: shown(pose.position().y().0),
+        heading_deg: shown(Degrees::from(pose.heading()).0),
     }
 }
 

@@ -118,7 +118,12 @@ async fn bad_input_is_answered_with_item_value_and_limit() {
             422,
             "`for`",
         ),
-        ("/faults", r#"{"fault":"LATER"}"#, 422, "LATER"),
+        (
+            "/faults",
+            r#"{"fault":"LATER"}"#,
+            422,
+            "fault: there is no `LATER`, expected one of `LATE`, `STUCK`",
+        ),
         (
             "/faults",
             r#"{"fault":"BATTERY","percent":101}"#,

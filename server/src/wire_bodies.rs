@@ -1,6 +1,6 @@
 //! Between the API's bodies and the types inside.
 
-use api::{JointsBody, LegacyPoint, SingularityBody};
+use api::{FloorPoseBody, JointsBody, LegacyPoint, SingularityBody};
 use kinematics::{PendantJoints, Singularity, Xyzwpr};
 use units::{Degrees, Millimeters};
 
@@ -13,6 +13,15 @@ pub(crate) fn as_shown(joints: &PendantJoints) -> PendantJoints {
 
 pub(crate) fn joints_body(joints: &PendantJoints) -> JointsBody {
     joints.degrees().map(shown).into()
+}
+
+/// A pose on the floor as a body, numbers as people read them.
+pub(crate) fn floor_pose(pose: workflow::BasePose) -> FloorPoseBody {
+    FloorPoseBody {
+        x_mm: shown(pose.x_mm),
+        y_mm: shown(pose.y_mm),
+        heading_deg: shown(pose.heading_deg),
+    }
 }
 
 pub(crate) fn legacy_point(point: &Xyzwpr) -> LegacyPoint {

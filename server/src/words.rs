@@ -1,16 +1,7 @@
-//! The workflows' enums by the words their JSON has, and sentences for people.
+//! Sentences for people; the workflows' enums stand in them by the words their JSON has.
 
-use serde::Serialize;
+pub(crate) use workflow::word;
 use workflow::{Action, GripAction, Speed, Target};
-
-/// An enum of plain words, as it is written in JSON.
-pub(crate) fn word(value: &impl Serialize) -> String {
-    match serde_json::to_value(value) {
-        Ok(serde_json::Value::String(word)) => word,
-        Ok(other) => other.to_string(),
-        Err(_) => String::new(),
-    }
-}
 
 /// What an arm does.
 pub(crate) fn action(action: &Action) -> String {

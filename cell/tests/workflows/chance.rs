@@ -1,8 +1,8 @@
 //! Random moments that come again with the same seed.
 
-/// How many plugs are pulled: `ROBOCELL_KILLS`, or a number that takes no time.
-pub(crate) fn kills(few: usize) -> usize {
-    std::env::var("ROBOCELL_KILLS").map_or(few, |text| {
+/// How many plugs are pulled: `ROBOCELL_KILLS`, or 200, which takes about a minute and a half of one core.
+pub(crate) fn kills() -> usize {
+    std::env::var("ROBOCELL_KILLS").map_or(200, |text| {
         text.parse().expect("ROBOCELL_KILLS is a number")
     })
 }

@@ -7,82 +7,23 @@ use std::time::Duration;
 
 use karel_emulator::CmosMemory;
 use karel_emulator::gripper::GripperPosition;
-use serde_json::{Value, json};
+use serde_json::json;
 
 use crate::chance::kills;
-use crate::kit::{A_JOB, SETUP, TestCell};
+use crate::kit::{A_JOB, TestCell};
 use crate::random_moments::{Moments, crash_at_random};
-
-/// Rows of workflow A as a job shows them.
-const A: [&str; 15] = [
-    "A1", "A2", "A3", "A4", "A5", "A6", "A7", "A8", "A9", "A10", "A12", "A13", "A14", "A15", "A16",
-];
-/// Rows of workflow B. All of the arm's way to a load and back is B4.
-const B: [&str; 13] = [
-    "B1", "B2", "B3", "B5", "B6", "B7", "B8", "B9", "B10", "B11", "B12", "B13-B14", "B15",
-];
-
-/// Whether a job is at a row, or past it.
-fn is_at(job: &Value, code: &str) -> bool {
-    let steps: Vec<_> = job["steps"].as_array().into_iter().flatten().collect();
-    let step = steps.iter().find(|step| step["code"] == code);
-    step.is_some_and(|step| step["state"] != "PENDING")
-}
-
-/// Pulls the plug at each row of a job.
-async fn at_every_row(cell: &mut TestCell, job: &str, rows: &[&str]) -> Vec<String> {
-    let mut shown = Vec::new();
-    for row in rows {
-        let path = format!("/jobs/{job}");
-        let at = cell
-            .wait(&format!("row {row}"), A_JOB, async |cell| {
-                let _said = cell.answer_everything().await;
-                let job = cell.get(&path).await;
-                let over = matches!(job["state"].as_str(), Some("COMPLETE" | "STOPPED"));
-                (over || is_at(&job, row)).then_some(job)
-            })
-            .await;
-        shown.push(format!("{row}: {}", at["code"]));
-        cell.crash().await;
-    }
-    shown
-}
+use crate::rows;
 
 /// Covers: F21, P3, P4, P6, P11.
 #[tokio::test(flavor = "multi_thread")]
 async fn f21_a_delivery_survives_a_crash_in_each_of_its_rows() {
-    let mut cell = TestCell::start().await;
-    let job = cell.delivery("rack/d").await;
-    let shown = at_every_row(&mut cell, &job, &A).await;
-    let (ended, said) = cell.see_through(&job).await;
-    eprintln!("{shown:?}\n{said:#?}");
-    assert_eq!(ended["state"], "COMPLETE", "{ended:#}");
-    let story = cell.assert_story(&job).await;
-    assert!(
-        story.permits_withdrawn > 0 && story.asked_after > 0,
-        "{story:?}"
-    );
-    cell.assert_sound().await;
+    rows::delivery(TestCell::start().await).await;
 }
 
 /// Covers: F21, P3, P4, P6, P11.
 #[tokio::test(flavor = "multi_thread")]
 async fn f21_a_pickup_survives_a_crash_in_each_of_its_rows() {
-    // A mobile robot gives away all it has at a destination, so here it comes empty.
-    let on = "on = { mobile_robot = \"mr1\", slot = \"left\" }";
-    assert!(SETUP.contains(on), "load-1 is on mr1");
-    let mut cell = TestCell::with_setup(&SETUP.replace(on, "place = \"rack/d\"")).await;
-    let job = cell.pickup().await;
-    let shown = at_every_row(&mut cell, &job, &B).await;
-    let (ended, said) = cell.see_through(&job).await;
-    eprintln!("{shown:?}\n{said:#?}");
-    assert_eq!(ended["state"], "COMPLETE", "{ended:#}");
-    let story = cell.assert_story(&job).await;
-    assert!(
-        story.permits_withdrawn > 0 && story.asked_after > 0,
-        "{story:?}"
-    );
-    cell.assert_sound().await;
+    rows::pickup(TestCell::with_setup(&rows::empty_mobile_robot()).await).await;
 }
 
 /// A start reads a snapshot and what came after it; one whose snapshot was never written reads more, and that is all.
@@ -127,7 +68,7 @@ async fn f21_p13_crashes_at_random_moments_and_during_the_recovery_do_nothing_tw
     crash_at_random(
         TestCell::start,
         &Moments {
-            kills: kills(40),
+            kills: kills(),
             crashes_of_a_job: 6,
             one_start_in: 3,
             start_ms: 30,

@@ -88,9 +88,8 @@ async fn m5_a_lie_that_nothing_shows_ends_at_an_empty_gripper() {
 /// Covers: M5.
 #[tokio::test(flavor = "multi_thread")]
 async fn m5_a_pose_that_jumped_on_the_way_is_docked_for_anew() {
-    let size = "footprint = { length_mm = 800";
-    let fast = format!("max_speed_mm_s = 60_000\n{size}");
-    let run = Run::with_setup(Which::Delivery, (size, &fast), &[], Value::Null).await;
+    let fast = ("max_speed_mm_s = 2000", "max_speed_mm_s = 60_000");
+    let run = Run::with_setup(Which::Delivery, fast, &[], Value::Null).await;
     run.until_phase("AWAIT").await;
     run.fault(Fault::Lie {
         x_mm: 100_000.0,

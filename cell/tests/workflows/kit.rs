@@ -103,18 +103,19 @@ impl TestCell {
         std::os::unix::fs::symlink(env!("CARGO_BIN_EXE_robocell"), &program).unwrap();
         cell.assembly.simulate_with(program);
         cell.start_server().await;
-        // A simulation begins where the robots are, so they have to be heard first.
-        cell.wait(
-            "every robot is heard",
-            Duration::from_secs(20),
-            async |cell| {
-                let mobile = cell.get("/mobile-robots").await;
-                let arm = cell.get("/robots/r1/state").await;
-                (mobile[0]["connected"] == true && !arm["controller"].is_null()).then_some(())
-            },
-        )
-        .await;
+        // A simulation begins where the robots are.
+        cell.until_heard().await;
         cell
+    }
+
+    /// Waits until every robot was heard.
+    pub(crate) async fn until_heard(&self) {
+        self.wait("every robot is heard", A_JOB, async |cell| {
+            let mobile = cell.get("/mobile-robots").await;
+            let arm = cell.get("/robots/r1/state").await;
+            (mobile[0]["connected"] == true && !arm["controller"].is_null()).then_some(())
+        })
+        .await;
     }
 
     /// With lines to the controller that can be cut.
@@ -142,9 +143,13 @@ impl TestCell {
 
     /// The server as the real program, in a process of its own.
     pub(crate) async fn of_processes() -> Self {
-        let mut cell = Self::dark(SETUP).await;
+        Self::of_processes_with(SETUP).await
+    }
+
+    pub(crate) async fn of_processes_with(setup: &str) -> Self {
+        let mut cell = Self::dark(setup).await;
         let parts_at = cell.assembly.parts_at().unwrap();
-        let program = Program::prepare(cell.folder.path(), &config(), SETUP, parts_at);
+        let program = Program::prepare(cell.folder.path(), &config(), setup, parts_at);
         cell.program = Some(program);
         cell.start_server().await;
         cell
@@ -311,6 +316,21 @@ impl TestCell {
         let answer = self.http.put(url).json(body).send().await.unwrap();
         let status = answer.status();
         (status, answer.json().await.unwrap_or(Value::Null))
+    }
+
+    /// Changes a part of the set-up as it is now; without a body it is removed.
+    pub(crate) async fn change_setup(&self, part: &str, body: Option<&Value>) {
+        let url = format!("http://{}{BASE}/setup", self.address);
+        let now = self.http.get(&url).send().await.unwrap();
+        let etag = now.headers()["etag"].clone();
+        let part = format!("{url}/{part}");
+        let request = match body {
+            Some(body) => self.http.put(part).json(body),
+            None => self.http.delete(part),
+        };
+        let answer = request.header("if-match", etag).send().await.unwrap();
+        let status = answer.status();
+        assert!(status.is_success(), "{status} {:?}", answer.text().await);
     }
 
     pub(crate) async fn delete(&self, path: &str) -> StatusCode {

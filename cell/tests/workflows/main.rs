@@ -23,6 +23,7 @@ mod kit;
 mod mobile;
 mod operator;
 mod random_moments;
+mod rows;
 mod run;
 mod sigkill;
 mod simulate;

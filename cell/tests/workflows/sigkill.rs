@@ -10,6 +10,7 @@ use crate::chance::kills;
 use crate::child::Program;
 use crate::kit::TestCell;
 use crate::random_moments::{Moments, crash_at_random};
+use crate::rows;
 
 /// Covers: F21, P5, P6, P7, P13.
 #[tokio::test(flavor = "multi_thread")]
@@ -17,13 +18,25 @@ async fn f21_p13_a_killed_process_does_nothing_twice() {
     crash_at_random(
         TestCell::of_processes,
         &Moments {
-            kills: kills(20),
+            kills: kills(),
             crashes_of_a_job: 5,
             one_start_in: 4,
             start_ms: 60,
         },
     )
     .await;
+}
+
+/// Covers: F21, P3, P4, P6, P11.
+#[tokio::test(flavor = "multi_thread")]
+async fn f21_p13_a_process_killed_in_each_row_of_a_delivery_finishes_it() {
+    rows::delivery(TestCell::of_processes().await).await;
+}
+
+/// Covers: F21, P3, P4, P6, P11.
+#[tokio::test(flavor = "multi_thread")]
+async fn f21_p13_a_process_killed_in_each_row_of_a_pickup_finishes_it() {
+    rows::pickup(TestCell::of_processes_with(&rows::empty_mobile_robot()).await).await;
 }
 
 /// The demo under its supervisor: the server is killed in the middle of a job, and the job ends.

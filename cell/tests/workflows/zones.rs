@@ -30,6 +30,7 @@ fn into_the_hand_over_zone() -> Value {
 #[tokio::test(flavor = "multi_thread")]
 async fn h4_a_motion_into_a_keep_out_zone_or_out_of_the_work_area_is_not_sent() {
     let cell = TestCell::start().await;
+    cell.until_heard().await;
     let control = cell.take_control().await;
     for (body, zone) in [
         (to_joints([-165.0, 30.0, 0.0, 0.0, -60.0, 0.0]), "cabinet"),
@@ -64,6 +65,7 @@ box.min = { x_mm = 150, y_mm = 900, z_mm = 900 }
 box.max = { x_mm = 250, y_mm = 1100, z_mm = 1600 }
 ";
     let cell = TestCell::with_setup(&format!("{}{post}", crate::kit::SETUP)).await;
+    cell.until_heard().await;
     let control = cell.take_control().await;
     // From the safe pose at x 0, y 985 along X, with the post at x 200.
     let pose = json!({
@@ -103,7 +105,50 @@ async fn i2_no_hand_moves_the_arm_into_the_zone_of_an_open_hand_over() {
     drop(control);
 
     let empty = TestCell::start().await;
+    empty.until_heard().await;
     let control = empty.take_control().await;
     let (status, said) = empty.post_in_control(MOTIONS, &control, &body).await;
     assert_eq!(status, 202, "nobody is there: {said}");
+}
+
+/// A keep-out zone in the way of the straight approach to a place of the rack, and in no other way.
+fn over(x_mm: i32) -> Value {
+    json!({
+        "id": "post", "kind": "KEEP_OUT",
+        "box": {
+            "min": {"x_mm": x_mm - 50, "y_mm": 950, "z_mm": 660},
+            "max": {"x_mm": x_mm + 50, "y_mm": 1050, "z_mm": 700}
+        }
+    })
+}
+
+/// A zone that comes while a job waits in the queue: its poses are planned when it starts, and nothing moves for it.
+///
+/// Covers: H4, F6.
+#[tokio::test(flavor = "multi_thread")]
+async fn h4_f06_a_zone_that_came_into_the_way_of_a_waiting_job_stops_it_before_anything_moves() {
+    let cell = TestCell::start().await;
+    cell.until_heard().await;
+    // While somebody has control no job begins.
+    let control = cell.take_control().await;
+    let job = cell.delivery("rack/d").await;
+    cell.change_setup("zones/post", Some(&over(-100))).await;
+    // New ones are refused at once.
+    let (status, said) = cell.post("/jobs", &TestCell::delivery_body("rack/d")).await;
+    assert_eq!(
+        (status.as_u16(), &said["code"]),
+        (422, &json!("zone-violation")),
+        "{said}"
+    );
+    let (id, _epoch) = control.split_once('.').unwrap();
+    let status = cell.delete(&format!("/control-authority/{id}")).await;
+    assert!(status.is_success(), "{status}");
+    let stopped = cell.wait_for_job(&job, &["STOPPED"]).await;
+    let faults = stopped["faults"].to_string();
+    assert!(
+        faults.contains("F6") && faults.contains("`post`"),
+        "{faults}"
+    );
+    assert_eq!(cell.begun().await, 0, "nothing moved for it");
+    cell.assert_sound().await;
 }

@@ -32,11 +32,16 @@ pub struct JobBody {
     pub workflow: WorkflowName,
     /// Its parameters.
     pub params: JobParams,
-    /// Higher first; 0 where absent.
+    /// Higher first: -100 to 100; 0 where absent.
     #[serde(default)]
+    #[schema(minimum = -100, maximum = 100)]
     pub priority: i32,
     /// When the job has to have started: one that has not by then is stopped, and nothing moves.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        deserialize_with = "crate::moment::optional",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub deadline: Option<Timestamp>,
 }
 

@@ -20,6 +20,7 @@ mod kinematics;
 mod legacy;
 mod load;
 mod mobile;
+mod moment;
 mod motion;
 pub mod paths;
 mod pose;

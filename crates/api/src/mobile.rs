@@ -265,6 +265,7 @@ pub struct SignalBody {
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub resync: bool,
     /// When, by the robot's clock. For the record only: what counts is the order of arrival.
+    #[serde(deserialize_with = "crate::moment::required")]
     pub at: Timestamp,
     /// What the robot knows of itself.
     pub data: SignalData,

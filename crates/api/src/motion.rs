@@ -39,7 +39,11 @@ pub struct MotionBody {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub expect: Option<ExpectBody>,
     /// A motion that has not begun by then is not begun: it ends `expired`, with no effect. 5 s from now where absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        deserialize_with = "crate::moment::optional",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub not_after: Option<Timestamp>,
     /// How long the caller is willing to wait for the controller's answer, in milliseconds.
     /// The robot's configured deadline holds where this is absent.

@@ -8,18 +8,7 @@ use units::{Degrees, Millimeters};
 
 use crate::refusal::Refusal;
 
-/// A number as people read it: to a billionth, so that 500 does not come back as 500.00000000000006 from its way
-/// through radians.
-#[must_use]
-pub fn shown(value: f64) -> f64 {
-    let scaled = (value * 1e9).round();
-    if scaled.is_finite() {
-        // Adding zero makes a negative zero positive.
-        scaled / 1e9 + 0.0
-    } else {
-        value
-    }
-}
+pub use units::shown;
 
 /// A pose as a body, numbers as people read them.
 #[must_use]

@@ -12,6 +12,28 @@
 use std::fmt;
 use std::ops::{Add, Mul, Neg, Sub};
 
+/// A number as people read it: to a billionth, so that 985 does not come back as 985.0000000000001 from its way through
+/// radians.
+///
+/// A millionth of what a controller tells apart (a thousandth of a millimeter, a thousandth of a degree), so nothing that
+/// is compared at an edge is another number for it. What is not finite stays as it is, and there is no negative zero.
+///
+/// ```
+/// assert_eq!(units::shown(985.000_000_000_000_1), 985.0);
+/// assert_eq!(units::shown(-1.2e-15).to_string(), "0");
+/// assert_eq!(units::shown(0.001_25), 0.001_25);
+/// ```
+#[must_use]
+pub fn shown(value: f64) -> f64 {
+    let scaled = (value * 1e9).round();
+    if scaled.is_finite() {
+        // Adding zero makes a negative zero positive.
+        scaled / 1e9 + 0.0
+    } else {
+        value
+    }
+}
+
 macro_rules! quantity {
     ($(#[$doc:meta])* $name:ident, $unit:literal) => {
         $(#[$doc])*

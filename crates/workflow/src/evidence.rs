@@ -109,7 +109,7 @@ impl Cell {
             return Err("it is not localized".into());
         }
         if !seen.mode.is_automatic() {
-            return Err(format!("its mode is {}", words::capitals(seen.mode)));
+            return Err(format!("its mode is {}", words::word(&seen.mode)));
         }
         if !seen.pose.within(&docked, point.tolerance) {
             return Err("its pose is not the one it docked at".into());

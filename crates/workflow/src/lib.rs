@@ -101,3 +101,4 @@ pub use signal::{
 };
 pub use snapshot::Snapshot;
 pub use timers::{Running, TimerKey, Timers};
+pub use words::word;

@@ -105,7 +105,7 @@ impl Work<'_> {
         let Some(job) = self.job(job.id) else { return };
         let what = job
             .step(step)
-            .map(|s| words::capitals(s.plan.phase))
+            .map(|s| words::word(&s.plan.phase))
             .unwrap_or_default();
         let ask = Ask {
             op,
@@ -199,7 +199,7 @@ impl Work<'_> {
                 "{} at {}: the hand-over is {}",
                 session.mobile_robot,
                 session.point,
-                words::capitals(session.state)
+                words::word(&session.state)
             ));
         }
         known

@@ -178,7 +178,7 @@ impl Work<'_> {
                 session.mobile_robot, session.point
             ),
             known: vec![
-                format!("the hand-over is {}", words::capitals(session.state)),
+                format!("the hand-over is {}", words::word(&session.state)),
                 "the arm has no permit to enter".into(),
             ],
             unknown: vec![format!("whether {} can move", session.mobile_robot)],

@@ -76,7 +76,7 @@ impl Work<'_> {
                 job,
                 Reaction {
                     fault,
-                    text: format!("{arm} is in {}", words::capitals(live.seen.safety)),
+                    text: format!("{arm} is in {}", words::word(&live.seen.safety)),
                     permits: true,
                     ..Reaction::default()
                 },
@@ -222,7 +222,7 @@ impl Work<'_> {
                 self.mobile_fault(
                     &job,
                     Fault::ModeChanged,
-                    &format!("its mode is {}", words::capitals(seen.mode)),
+                    &format!("its mode is {}", words::word(&seen.mode)),
                 );
             } else if seen.errors.iter().any(|e| e.fatal) {
                 self.mobile_fault(&job, Fault::ModeChanged, "it reports a fatal error");

@@ -263,7 +263,7 @@ impl Work<'_> {
             fault,
             question: format!(
                 "The job stays {}: {why_not}. How should it go on?",
-                words::capitals(job.state)
+                words::word(&job.state)
             ),
             known,
             unknown: vec![why_not],

@@ -1,30 +1,29 @@
 //! What people read: values by the names that the API has for them.
 
-use std::fmt::{Debug, Write as _};
+use std::fmt::{self, Write as _};
+
+use serde::Serialize;
 
 use crate::setup::BasePose;
 use crate::signal::SlotLoad;
 
-/// A state, a phase, a mode: `TransferReady` is `TRANSFER_READY`.
-pub(crate) fn capitals(value: impl Debug) -> String {
-    apart(&format!("{value:?}")).to_uppercase()
-}
-
-/// An answer or an action: `DidNotHappen` is `did_not_happen`.
-pub(crate) fn small(value: impl Debug) -> String {
-    apart(&format!("{value:?}")).to_lowercase()
-}
-
-/// The words of a variant's name, with underscores between.
-fn apart(name: &str) -> String {
+/// An enum of plain words, as it is written in JSON: `TransferReady` is `TRANSFER_READY`. Empty for what is no plain word.
+#[must_use]
+pub fn word(value: &impl Serialize) -> String {
     let mut text = String::new();
-    for (index, letter) in name.chars().enumerate() {
-        if index > 0 && letter.is_uppercase() {
-            text.push('_');
-        }
-        text.push(letter);
+    match write!(text, "{}", Plain(value)) {
+        Ok(()) => text,
+        Err(fmt::Error) => String::new(),
     }
-    text
+}
+
+/// A formatter is a serializer of plain words, and of nothing else.
+struct Plain<'a, T>(&'a T);
+
+impl<T: Serialize> fmt::Display for Plain<'_, T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.serialize(f)
+    }
 }
 
 /// A pose on the floor.
@@ -52,13 +51,17 @@ pub(crate) fn loads(report: &[SlotLoad]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Answer, JobState, SessionState};
+    use crate::{Answer, JobState, SessionState, Workflow};
 
     #[test]
     fn a_value_is_called_as_the_api_calls_it() {
-        assert_eq!(capitals(SessionState::TransferReady), "TRANSFER_READY");
-        assert_eq!(capitals(JobState::Held), "HELD");
-        assert_eq!(small(Answer::DidNotHappen), "did_not_happen");
+        assert_eq!(word(&SessionState::TransferReady), "TRANSFER_READY");
+        assert_eq!(word(&JobState::Held), "HELD");
+        assert_eq!(word(&Answer::DidNotHappen), "did_not_happen");
+        // Its name in the source is `PickupAndDelivery`, and in JSON it is not written with underscores.
+        assert_eq!(word(&Workflow::PickupAndDelivery), "pickup-and-delivery");
+        let many = word(&["no", "word"]);
+        assert_eq!(many, "", "{many}");
     }
 
     #[test]

@@ -1,7 +1,6 @@
 //! The core as it stands, for people and tests.
 
 use mobile_base::PlanarPose;
-use units::Degrees;
 
 use super::Core;
 use crate::config::RouteShape;
@@ -137,7 +136,7 @@ fn via(place: &api::RoutePointBody) -> Option<PlannedStop> {
     Some(PlannedStop {
         name: String::new(),
         pose: api::FloorPoseBody {
-            heading_deg: Degrees::from(pose.heading()).0,
+            heading_deg: body_of(pose).heading_deg,
             ..body
         },
     })

@@ -17,6 +17,7 @@ use workflow::{BasePose, Cell, Input, Message, OutMessage, SlotLoad};
 use super::handle::{CellHandle, Refused};
 use crate::setup::SetupBook;
 use crate::setup::model::{LoadPoint, Setup};
+use crate::wire_bodies::floor_pose;
 
 /// The outboxes of one cell.
 #[derive(Clone, Debug)]
@@ -220,14 +221,6 @@ fn dock_of(point: &LoadPoint) -> FloorPoseBody {
         x_mm: point.dock.x.0,
         y_mm: point.dock.y.0,
         heading_deg: point.dock.heading.0,
-    }
-}
-
-fn floor_pose(pose: BasePose) -> FloorPoseBody {
-    FloorPoseBody {
-        x_mm: pose.x_mm,
-        y_mm: pose.y_mm,
-        heading_deg: pose.heading_deg,
     }
 }
 

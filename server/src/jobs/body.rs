@@ -1,5 +1,7 @@
 //! What callers ask for, checked and in the words of the workflows.
 
+use std::ops::RangeInclusive;
+
 use api::{
     JobBody, JobCommand, JobItemBody, JobParams, LoadLocation, OnCancelWithLoad, ProblemCode,
     Role as ApiRole, Violation, WorkflowName,
@@ -23,6 +25,8 @@ const MAX_ITEMS: usize = 32;
 const MAX_ALTERNATES: usize = 16;
 /// The longest drive, in seconds.
 const MAX_DRIVE_S: f64 = 86_400.0;
+/// How much one job may be preferred to another.
+const PRIORITIES: RangeInclusive<i32> = -100..=100;
 /// What stands for any mobile robot.
 const ANY: &str = "any";
 
@@ -114,6 +118,16 @@ pub(crate) fn job_of_parts(
 fn parts(workflow: WorkflowName, params: &JobParams, priority: i32) -> (Wrong, NewJob) {
     let mut wrong = Wrong::default();
     names(&mut wrong, params);
+    if !PRIORITIES.contains(&priority) {
+        let (min, max) = (*PRIORITIES.start(), *PRIORITIES.end());
+        wrong.range(
+            "priority",
+            f64::from(priority),
+            f64::from(min),
+            f64::from(max),
+            "",
+        );
+    }
     if !(1..=MAX_ITEMS).contains(&params.items.len()) {
         let count = params.items.len();
         wrong.0.push(Violation {

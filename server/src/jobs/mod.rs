@@ -2,6 +2,7 @@
 //!
 //! [`workflow`] decides, [`crate::cell`] drives and keeps; nothing is decided here.
 
+mod admit;
 mod body;
 mod events;
 mod questions;
@@ -13,6 +14,7 @@ mod telling;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use admit::admit;
 pub(crate) use body::{command, job_of_parts, location, new_job, principal, reason};
 pub(crate) use events::events;
 pub(crate) use questions::{answer, intervention};

@@ -1,10 +1,9 @@
 //! The workflows' views as the API's bodies.
 
 use api::{
-    ClaimBody, Compensation, FaultName, FloorPoseBody, Job, JobCommand, JobFault, JobItem,
-    JobItemBody, JobOperation, JobParams, JobReason, JobState, JobStep, JobSummary, Load,
-    LoadLocation, OnCancelWithLoad, PointPermits, Session, SessionState, StepState, TimerBody,
-    WorkflowName,
+    ClaimBody, Compensation, FaultName, Job, JobCommand, JobFault, JobItem, JobItemBody,
+    JobOperation, JobParams, JobReason, JobState, JobStep, JobSummary, Load, LoadLocation,
+    OnCancelWithLoad, PointPermits, Session, SessionState, StepState, TimerBody, WorkflowName,
 };
 use jiff::Timestamp;
 use uuid::Uuid;
@@ -15,6 +14,7 @@ use workflow::{
 };
 
 use crate::cell::CellClock;
+use crate::wire_bodies::floor_pose;
 use crate::words::{action, word};
 
 /// Everything a caller may do with a job.
@@ -340,11 +340,7 @@ pub(crate) fn session(view: &SessionView) -> Session {
         mr_move_permit: view.mr_move_permit,
         order: view.order,
         order_update: view.order_update,
-        docked: view.docked.map(|pose| FloorPoseBody {
-            x_mm: pose.x_mm,
-            y_mm: pose.y_mm,
-            heading_deg: pose.heading_deg,
-        }),
+        docked: view.docked.map(floor_pose),
         intervention: view.intervention,
         timers: view.timers.iter().map(timer).collect(),
     }

@@ -7,8 +7,9 @@ use axum::Json;
 use axum::extract::{FromRequestParts, State};
 use axum::http::request::Parts;
 use axum::http::{HeaderMap, HeaderName, StatusCode, Uri, header};
+use jiff::Timestamp;
 use uuid::Uuid;
-use workflow::{Input, Reply};
+use workflow::{Input, NewJob, Reply};
 
 use super::page::{Cursor, Page};
 use super::params::{CellId, CellPath, invalid, param, path_params};
@@ -46,7 +47,7 @@ pub(super) fn replayed(replayed: bool) -> Replayed {
             )),
         (status = 400, description = "`idempotency-missing`: the header is missing. `invalid-json`.", body = api::Problem, content_type = "application/problem+json"),
         (status = 409, description = "`queue-full`: 200 jobs are open.", body = api::Problem, content_type = "application/problem+json"),
-        (status = 422, description = "`validation`: an item does not fit the set-up, or where the loads are. `idempotency-mismatch`: the key was used for something else.",
+        (status = 422, description = "`validation`: an item does not fit the set-up, or where the loads are. `zone-violation`: a way of the arm leads through a keep-out zone or the hand-over zone of another place, or out of its work area. `idempotency-mismatch`: the key was used for something else.",
             body = api::Problem, content_type = "application/problem+json"),
         KeptProblem, CrossSite, NotFound, BodyProblem, AnyProblem,
     ),
@@ -62,9 +63,10 @@ pub(super) async fn create_job(
     let key = RequestKey::of(&headers)?;
     let path = format!("POST /api/v1/cells/{}/jobs", cell.id);
     let claim = key.claim(caller.name(), &path, &understood(&body)?)?;
-    let job = match jobs::new_job(&body, cell.work.clock(), app.clock.now()) {
+    let job = match admitted(cell, &body, app.clock.now()).await {
         Ok(job) => job,
-        // A deadline that has passed since is no reason to deny what was asked for in time.
+        // A deadline that has passed since, or a zone that was put in the way, is no reason to deny what was asked for in
+        // time.
         Err(problem) => {
             return match app.journal.lookup(&claim, app.clock.now()).await {
                 Ok(Some(replay)) => match made_by(&replay) {
@@ -83,6 +85,17 @@ pub(super) async fn create_job(
         return Err(Problem::new(ProblemCode::Internal, detail));
     };
     created(&app, cell, id, told.replayed).await
+}
+
+/// What is asked for, where it fits whatever the cell is doing.
+pub(super) async fn admitted(
+    cell: &Cell,
+    body: &JobBody,
+    now: Timestamp,
+) -> Result<NewJob, Problem> {
+    let job = jobs::new_job(body, cell.work.clock(), now)?;
+    jobs::admit(&cell.setup, &job).await?;
+    Ok(job)
 }
 
 fn made_by(replay: &journal::Replay) -> Option<Uuid> {

@@ -5,6 +5,7 @@
 //! the joint that turns farthest; where the controller does not report where the arm is, it is the end alone.
 
 use api::setup::ZoneKind;
+use api::trajectory::MotionProfile;
 use api::{MotionType, ProblemCode, Violation};
 use kinematics::PendantJoints;
 
@@ -22,6 +23,16 @@ use crate::wire_bodies::shown;
 /// `zone-violation` with every zone that is in the way; `interlock-violation` for a hand-over zone whose point has an
 /// open hand-over.
 pub(super) fn check(app: &App, robot: &Robot, asked: &Asked) -> Result<(), Problem> {
+    check_with(app, robot, asked, None)
+}
+
+/// As [`check`], where it has been calculated already how the motion would go from where the arm stands.
+pub(super) fn check_with(
+    app: &App,
+    robot: &Robot,
+    asked: &Asked,
+    profile: Option<&MotionProfile>,
+) -> Result<(), Problem> {
     let plan = &robot.plan;
     let cell = app.cell(&plan.cell)?;
     let kept = cell.setup.current();
@@ -33,7 +44,7 @@ pub(super) fn check(app: &App, robot: &Robot, asked: &Asked) -> Result<(), Probl
         return Ok(());
     }
     let start = start_of(robot);
-    let way = way(robot, start.as_ref(), asked);
+    let way = way(robot, start.as_ref(), asked, profile);
     let found = kept.setup.trespasses(arm, start.as_ref(), &way);
     let (shared, forbidden): (Vec<_>, Vec<_>) = found
         .iter()
@@ -41,7 +52,7 @@ pub(super) fn check(app: &App, robot: &Robot, asked: &Asked) -> Result<(), Probl
     if let Some(first) = forbidden.first() {
         let violations = forbidden.iter().map(|trespass| violation(trespass));
         return Err(
-            Problem::not_sent(ProblemCode::ZoneViolation, sentence(first))
+            Problem::not_sent(ProblemCode::ZoneViolation, first.to_string())
                 .violations(violations.collect())
                 .hint("Another target, or a point between, may lead around it."),
         );
@@ -56,9 +67,7 @@ pub(super) fn check(app: &App, robot: &Robot, asked: &Asked) -> Result<(), Probl
         if let Some(entered) = shared.iter().find(|found| Some(&found.zone) == zone) {
             let detail = format!(
                 "{}, and {} may be in it: the hand-over at {} is open",
-                sentence(entered),
-                session.mobile_robot,
-                session.point
+                entered, session.mobile_robot, session.point
             );
             return Err(Problem::not_sent(ProblemCode::InterlockViolation, detail)
                 .violations(vec![violation(entered)])
@@ -82,46 +91,37 @@ fn start_of(robot: &Robot) -> Option<PendantJoints> {
     })
 }
 
-fn way(robot: &Robot, start: Option<&PendantJoints>, asked: &Asked) -> Vec<PendantJoints> {
+fn way(
+    robot: &Robot,
+    start: Option<&PendantJoints>,
+    asked: &Asked,
+    profile: Option<&MotionProfile>,
+) -> Vec<PendantJoints> {
     let Some(start) = start else {
         return vec![asked.joints];
     };
     if asked.motion_type != MotionType::Linear {
         return joint_path(start, &asked.joints);
     }
-    let profile = preview_profile::profile(&robot.plan, start, asked);
-    let samples = profile.into_iter().flat_map(|profile| profile.samples);
+    let own = match profile {
+        Some(_) => None,
+        None => preview_profile::profile(&robot.plan, start, asked),
+    };
+    let profile = profile.or(own.as_ref());
+    let samples = profile.into_iter().flat_map(|profile| &profile.samples);
     let mut way: Vec<_> = samples
-        .filter_map(|sample| <[f64; 6]>::try_from(sample.position_deg_mm).ok())
+        .filter_map(|sample| <[f64; 6]>::try_from(&*sample.position_deg_mm).ok())
         .map(PendantJoints::from_degrees)
         .collect();
     way.push(asked.joints);
     way
 }
 
-fn sentence(trespass: &Trespass) -> String {
-    let Trespass {
-        zone,
-        kind,
-        point,
-        by,
-    } = trespass;
-    let what = match kind {
-        ZoneKind::KeepOut => "the arm would enter the keep-out zone",
-        ZoneKind::Handover => "the arm would enter the hand-over zone",
-        ZoneKind::Work => "the tool center point would leave the work area",
-    };
-    format!(
-        "{what} `{zone}` by {:.1} mm, at x {:.1}, y {:.1}, z {:.1} mm of the cell",
-        by.0, point.x, point.y, point.z
-    )
-}
-
 /// How far outside of what is allowed, in millimeters: at least 0 would be.
 fn violation(trespass: &Trespass) -> Violation {
     Violation {
         item: trespass.zone.clone(),
-        message: sentence(trespass),
+        message: trespass.to_string(),
         value: Some(shown(-trespass.by.0)),
         min: Some(0.0),
         ..Violation::default()

@@ -72,11 +72,17 @@ pub(super) async fn preview_motion(
         }
     };
     let planned = planned.and_then(|planned| {
-        motion_zones::check(&app, &robot, &planned.asked())?;
-        Ok(planned)
+        let asked = planned.asked();
+        let from = start.joints();
+        let profile = from.and_then(|from| preview_profile::profile(&robot.plan, &from, &asked));
+        motion_zones::check_with(&app, &robot, &asked, profile.as_ref())?;
+        Ok((planned, profile))
     });
     Ok(Json(match planned {
-        Ok(planned) => feasible(&robot, planned, start, revision),
+        Ok((planned, profile)) => MotionPreview {
+            profile,
+            ..feasible(&robot, planned, start, revision)
+        },
         Err(problem) => refused(&problem, start, revision),
     }))
 }
@@ -130,9 +136,6 @@ fn feasible(robot: &Arc<Robot>, planned: Planned, start: Start, revision: u64) -
         singularity: Some(singularity_body(&plan.model.singularity(&asked.joints))),
         solutions: solutions(robot, &asked, &near),
         duration_s: duration(robot, &asked, start).map(shown),
-        profile: start
-            .joints()
-            .and_then(|from| preview_profile::profile(plan, &from, &asked)),
         ..empty(start, revision)
     }
 }

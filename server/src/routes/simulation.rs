@@ -8,7 +8,7 @@ use axum::Json;
 use axum::extract::State;
 use workflow::Input;
 
-use super::jobs::cell_to_change;
+use super::jobs::{admitted, cell_to_change};
 use super::params::{CellId, CellPath};
 use super::responses::{AnyProblem, BodyProblem, CrossSite, NotFound};
 use crate::extract::ListJson;
@@ -57,7 +57,7 @@ pub(super) async fn simulate_job(
              needs `Plan::with_simulator`",
         ));
     };
-    let job = jobs::new_job(&body, cell.work.clock(), app.clock.now())?;
+    let job = admitted(cell, &body, app.clock.now()).await?;
     let input = Input::CreateJob { job: Box::new(job) };
     cell.work
         .would_take(input, &app.clock)

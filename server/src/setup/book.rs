@@ -2,18 +2,22 @@
 
 use std::fmt;
 use std::path::PathBuf;
-use std::sync::{Arc, PoisonError, RwLock};
+use std::sync::{Arc, OnceLock, PoisonError, RwLock};
 
 use api::setup::{SetupFile, SetupRevision};
 use thiserror::Error;
-use tokio::sync::{Mutex, watch};
+use tokio::sync::{Mutex, Semaphore, watch};
 
 use super::document::{Form, write_setup};
 use super::faults::SetupErrors;
 use super::model::Setup;
 use super::resource::{Resource, touched};
 use super::store::{self, FileStore, MemoryStore, SetupStore, StoreError};
+use super::ways::ForbiddenWay;
 use crate::config::{RobotPlan, SetupSource};
+
+/// One look at ways at a time.
+static LOOKING: Semaphore = Semaphore::const_new(1);
 
 /// A revision of a set-up.
 #[derive(Debug)]
@@ -24,6 +28,8 @@ pub(crate) struct Kept {
     pub(crate) etag: String,
     pub(crate) file: SetupFile,
     pub(crate) setup: Setup,
+    /// Of each taught pose, in the order of the set-up.
+    ways: Vec<OnceLock<Option<ForbiddenWay>>>,
 }
 
 /// Whether running work uses a part of the set-up, and what does.
@@ -233,13 +239,42 @@ impl Kept {
         robots: &[Arc<RobotPlan>],
     ) -> Result<Self, SetupErrors> {
         let setup = Setup::try_new(&file, robots)?;
+        let ways = setup.taught.iter().map(|_| OnceLock::new()).collect();
         let digest = fnv1a(write_setup(&file, Form::Json).as_bytes());
         Ok(Self {
             revision,
             etag: format!("\"{revision}-{digest:016x}\""),
             file,
             setup,
+            ways,
         })
+    }
+
+    /// What is wrong with the ways of a job to these taught poses and back; each is looked at once in a revision, and off
+    /// the threads that answer.
+    pub(crate) async fn look_at_ways(self: &Arc<Self>, taught: Vec<usize>) {
+        let unknown = |index: &usize| self.ways.get(*index).is_some_and(|way| way.get().is_none());
+        if !taught.iter().any(unknown) {
+            return;
+        }
+        let this = Arc::clone(self);
+        let Ok(_alone) = LOOKING.acquire().await else {
+            unreachable!("nobody closes it");
+        };
+        let looking = tokio::task::spawn_blocking(move || {
+            for index in taught {
+                let _known = this.forbidden_way(index);
+            }
+        });
+        // After a panic of its own whoever asks looks again.
+        let _ended = looking.await;
+    }
+
+    /// The first way of a job to a taught pose, or back, that leads where it may not.
+    pub(crate) fn forbidden_way(&self, taught: usize) -> Option<&ForbiddenWay> {
+        let way = self.ways.get(taught)?;
+        let look = || self.setup.forbidden_way(self.setup.taught.get(taught)?);
+        way.get_or_init(look).as_ref()
     }
 
     fn revision_of(&self, changed: &[Resource]) -> SetupRevision {

@@ -16,20 +16,14 @@ use api::setup::{
     CheckFinding, JointMarginBody, RouteCheck, SetupCheck, Severity, TaughtPoseCheck, ZoneKind,
     ZoneMargin,
 };
-use kinematics::{Axis, PendantJoints, Pose};
-use nalgebra::{Isometry3, Translation3};
+use kinematics::{Axis, PendantJoints};
 use units::Millimeters;
 
-use super::geometry::DockPose;
 use super::model::{Arm, Place, Route, Setup, Site, Taught, Zone};
-use super::path::{Closest, bodies, closest, joint_path, least_inside};
-use super::resolve::{Dock, Resolved, reach};
+use super::path::{Closest, bodies, closest};
+use super::ways::{Line, Ways};
 use crate::wire_bodies::shown;
 
-/// The distance between two samples of a straight line, in millimeters.
-const STEP_MM: f64 = 5.0;
-/// A joint that turns farther than this from one sample of a straight line to the next cannot follow it, in degrees.
-const MAX_TURN_DEG: f64 = 15.0;
 /// Below these a finding is a warning.
 const SMALL_MARGIN_DEG: f64 = 5.0;
 const SMALL_GAP_MM: f64 = 25.0;
@@ -77,63 +71,20 @@ impl Setup {
             unreachable!("a taught pose of a checked set-up has an arm and a place");
         };
         let docks = self.docks(place);
-        for (index, dock) in docks.iter().enumerate() {
-            let where_docked = match (index, docks.len()) {
-                (_, 1) => String::new(),
-                (0, _) => ", docked as nominal".to_owned(),
-                (corner, _) => format!(", docked at corner {corner} of the tolerance"),
-            };
+        for (where_docked, dock) in &docks {
             match self.grip_pose(taught, *dock) {
-                Ok(X_CT) => self.plan_one(&mut planner, arm, place, taught, &X_CT, &where_docked),
-                Err(error) => planner.error("", &where_docked, error.to_string()),
+                Ok(X_CT) => {
+                    let ways = Ways::of(arm, taught, &X_CT);
+                    planner.line("approach", &ways.approach, where_docked);
+                    planner.line("lift", &ways.lift, where_docked);
+                    for (what, samples) in &ways.paths {
+                        self.look(&mut planner, arm, place, samples, what, where_docked);
+                    }
+                }
+                Err(error) => planner.error("", where_docked, error.to_string()),
             }
         }
         planner.finish(docks.len())
-    }
-
-    /// The dock poses to plan for.
-    fn docks(&self, place: &Place) -> Vec<Dock> {
-        let point = match &place.site {
-            Site::OnMobileRobot { point, .. } => self.point(point),
-            Site::Fixed | Site::Buffer | Site::Reject => None,
-        };
-        match point {
-            None => vec![Dock::Nominal],
-            Some(point) => {
-                let corners: Vec<DockPose> = point.dock.corners(&point.tolerance);
-                corners.into_iter().map(Dock::Measured).collect()
-            }
-        }
-    }
-
-    fn plan_one(
-        &self,
-        planner: &mut Planner<'_>,
-        arm: &Arm,
-        place: &Place,
-        taught: &Taught,
-        X_CT: &Pose,
-        where_docked: &str,
-    ) {
-        let approach = taught.approach_of(X_CT);
-        let lift = taught.lift_of(X_CT);
-        let down = planner.line(arm, &approach, X_CT, "approach", where_docked);
-        let up = planner.line(arm, X_CT, &lift, "lift", where_docked);
-        let mut paths = Vec::new();
-        if let Some(first) = down.first() {
-            let from_safe = joint_path(&arm.safe, &first.joints);
-            paths.push(("the way from the safe pose to the approach", from_safe));
-        }
-        if let Some(last) = up.last() {
-            let to_safe = joint_path(&last.joints, &arm.safe);
-            paths.push(("the way from the lift to the safe pose", to_safe));
-        }
-        let joints = |line: &[Resolved]| line.iter().map(|at| at.joints).collect();
-        paths.push(("the approach", joints(&down)));
-        paths.push(("the lift", joints(&up)));
-        for (what, samples) in &paths {
-            self.look(planner, arm, place, samples, what, where_docked);
-        }
     }
 
     /// Looks at the samples of a path.
@@ -150,53 +101,15 @@ impl Setup {
         for joints in samples {
             planner.joints(arm, joints);
         }
-        let bodies = bodies(arm, samples);
-        let keep_out = self.zones_of(&arm.id, ZoneKind::KeepOut);
-        if let Some(found) = closest(&bodies, keep_out) {
-            if found.gap.0 < 0.0 {
-                let message = format!(
-                    "the arm enters the keep-out zone `{}` by {:.1} mm at {}",
-                    found.zone,
-                    -found.gap.0,
-                    spot(&found)
-                );
-                planner.error(what, where_docked, message);
-            }
+        let met = self.met(arm, place, samples);
+        for forbidden in met.forbidden() {
+            planner.error(what, where_docked, forbidden.to_string());
+        }
+        if let Some(found) = met.keep_out {
             planner.keep_out(found);
         }
-        let own = self.zone_of(place);
-        let foreign = self
-            .zones_of(&arm.id, ZoneKind::Handover)
-            .filter(|zone| Some(zone.id.as_str()) != own);
-        if let Some(found) = closest(&bodies, foreign).filter(|found| found.gap.0 < 0.0) {
-            let message = format!(
-                "the arm enters the hand-over zone `{}`, which this place has no part in, by {:.1} mm at {}",
-                found.zone,
-                -found.gap.0,
-                spot(&found)
-            );
-            planner.error(what, where_docked, message);
-        }
-        let work = self.zones_of(&arm.id, ZoneKind::Work);
-        if let Some(found) = least_inside(&bodies, work) {
-            if found.gap.0 < 0.0 {
-                let message = format!(
-                    "the tool center point leaves the work area `{}` by {:.1} mm at {}",
-                    found.zone,
-                    -found.gap.0,
-                    spot(&found)
-                );
-                planner.error(what, where_docked, message);
-            }
+        if let Some(found) = met.work {
             planner.work(found);
-        }
-    }
-
-    /// The hand-over zone a place is in.
-    fn zone_of(&self, place: &Place) -> Option<&str> {
-        match &place.site {
-            Site::OnMobileRobot { point, .. } => self.point(point)?.zone.as_deref(),
-            Site::Fixed | Site::Buffer | Site::Reject => None,
         }
     }
 
@@ -339,7 +252,7 @@ impl Setup {
                         "the arm is inside the hand-over zone `{}` by {:.1} mm at {}",
                         inside.zone,
                         -inside.gap.0,
-                        spot(&inside)
+                        inside.spot()
                     ),
                 );
             }
@@ -477,59 +390,18 @@ impl<'a> Planner<'a> {
         });
     }
 
-    /// The samples of a straight line, as far as the arm can follow it.
-    fn line(
-        &mut self,
-        arm: &Arm,
-        from: &Pose,
-        to: &Pose,
-        what: &'static str,
-        where_docked: &str,
-    ) -> Vec<Resolved> {
-        let along = to.isometry().translation.vector - from.isometry().translation.vector;
-        let steps = (along.norm() / STEP_MM).ceil().max(1.0);
-        let mut line: Vec<Resolved> = Vec::new();
-        let mut step = 0.0;
-        while step <= steps {
-            let shift = Isometry3::from_parts(
-                Translation3::from(along * (step / steps)),
-                nalgebra::UnitQuaternion::identity(),
-            );
-            let X_CT = match Pose::try_from_isometry(shift) {
-                Ok(shift) => shift * *from,
-                Err(error) => {
-                    self.error(what, where_docked, error.to_string());
-                    return line;
-                }
-            };
-            let at = format!("{what}, {:.0} mm along", along.norm() * step / steps);
-            match reach(arm, &X_CT, self.taught.configuration, what) {
-                Ok(resolved) => {
-                    if let Some((axis, turn)) = line
-                        .last()
-                        .and_then(|before| too_far(&before.joints, &resolved.joints))
-                    {
-                        let message = format!(
-                            "{axis} would have to turn by {turn:.1} degrees within {:.1} mm",
-                            along.norm() / steps
-                        );
-                        self.error(&at, where_docked, message);
-                        return line;
-                    }
-                    let (_, measure) = resolved.singularity.nearest();
-                    if self.singularity.is_none_or(|known| measure < known) {
-                        self.singularity = Some(measure);
-                    }
-                    line.push(resolved);
-                }
-                Err(error) => {
-                    self.error(&at, where_docked, error.to_string());
-                    return line;
-                }
+    /// Notes what is wrong with a straight line, and how near it comes to a singularity.
+    fn line(&mut self, what: &str, line: &Line, where_docked: &str) {
+        for point in &line.points {
+            let (_, measure) = point.singularity.nearest();
+            if self.singularity.is_none_or(|known| measure < known) {
+                self.singularity = Some(measure);
             }
-            step += 1.0;
         }
-        line
+        if let Some(broken) = &line.broken {
+            let at = format!("{what}, {:.0} mm along", broken.along_mm);
+            self.error(&at, where_docked, broken.why.clone());
+        }
     }
 
     fn joints(&mut self, arm: &Arm, joints: &PendantJoints) {
@@ -607,19 +479,6 @@ impl<'a> Planner<'a> {
             findings: self.findings,
         }
     }
-}
-
-/// The joint that turns too far from one sample to the next, if any does.
-fn too_far(before: &PendantJoints, after: &PendantJoints) -> Option<(Axis, f64)> {
-    Axis::ALL.into_iter().find_map(|axis| {
-        let turn = (after.of(axis).0 - before.of(axis).0).abs();
-        (turn > MAX_TURN_DEG).then_some((axis, turn))
-    })
-}
-
-fn spot(found: &Closest) -> String {
-    let point = found.point;
-    format!("x {:.1}, y {:.1}, z {:.1} mm", point.x, point.y, point.z)
 }
 
 fn margin(found: &Closest) -> ZoneMargin {

@@ -173,10 +173,17 @@ impl Setup {
         }
     }
 
+    /// The taught pose of an arm at the place that a workflow means.
+    pub(crate) fn taught_at(&self, arm: &str, place: &PlaceRef) -> Option<usize> {
+        let id = self.id_of(place).ok()?;
+        let mut all = self.taught.iter();
+        all.position(|taught| taught.arm == arm && taught.place == id)
+    }
+
     /// The id of the place that a workflow means.
     fn id_of(&self, place: &PlaceRef) -> Result<&str, ResolveError> {
         let mut places = self.places.iter();
-        let found = places.find(|known| reference_of(known) == *place);
+        let found = places.find(|known| known.is(place));
         found
             .map(|known| known.id.as_str())
             .ok_or_else(|| ResolveError::NoPlace {
@@ -210,6 +217,13 @@ impl Setup {
             }
         }
         timers
+    }
+}
+
+impl Place {
+    /// Whether it is the one that a workflow means.
+    pub(super) fn is(&self, place: &PlaceRef) -> bool {
+        reference_of(self) == *place
     }
 }
 

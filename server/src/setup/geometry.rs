@@ -31,6 +31,12 @@ impl ZoneBox {
         ([self.min.x, self.min.y], [self.max.x, self.max.y])
     }
 
+    /// The box and all that is above it.
+    pub(crate) fn and_above(&self) -> Self {
+        let max = Point3::new(self.max.x, self.max.y, f64::INFINITY);
+        Self { max, ..*self }
+    }
+
     /// The distance of a point from the box, in millimeters; negative inside: the depth.
     ///
     /// A convex function of the point, because the box is convex.

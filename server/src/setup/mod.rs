@@ -30,6 +30,7 @@ mod teach;
 mod tests;
 mod text;
 pub(crate) mod trespass;
+pub(crate) mod ways;
 
 pub(crate) use book::{BasedOn, ChangeError, Edit, Kept, SetupBook};
 pub(crate) use calibrate::{Calibration, CalibrationError, MAX_RESIDUAL_MM, four_point};

@@ -199,9 +199,15 @@ impl Setup {
             .find(|taught| taught.arm == arm && taught.place == place)
     }
 
+    /// How many zones are for this robot.
+    pub(crate) fn count_zones_of(&self, robot: &str) -> usize {
+        let of_robot = |zone: &&Zone| zone.robots.includes(robot);
+        self.zones.iter().filter(of_robot).count()
+    }
+
     /// Whether any zone is for this robot.
     pub(crate) fn has_zones_of(&self, robot: &str) -> bool {
-        self.zones.iter().any(|zone| zone.robots.includes(robot))
+        self.count_zones_of(robot) > 0
     }
 
     /// The zones of a kind that are for a robot.

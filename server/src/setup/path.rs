@@ -39,6 +39,14 @@ pub(crate) struct Closest {
     pub(crate) gap: Millimeters,
 }
 
+impl Closest {
+    /// Where it is, for a person.
+    pub(crate) fn spot(&self) -> String {
+        let Point3 { coords } = self.point;
+        format!("x {:.1}, y {:.1}, z {:.1} mm", coords.x, coords.y, coords.z)
+    }
+}
+
 impl Setup {
     /// Whether no part of the arm enters a keep-out zone at any of the samples.
     ///
@@ -70,11 +78,6 @@ impl Setup {
 }
 
 impl Setup {
-    /// How many zones an arm has to keep out of.
-    pub(crate) fn keep_out_zones_of(&self, arm: &str) -> usize {
-        self.zones_of(arm, ZoneKind::KeepOut).count()
-    }
-
     /// The hand-over zones that any part of an arm is in.
     pub(crate) fn handover_zones_of(&self, arm: &str, joints_deg: [f64; 6]) -> Vec<String> {
         let Some(arm) = self.arm(arm) else {

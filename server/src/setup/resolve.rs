@@ -41,14 +41,9 @@ pub(crate) enum Dock {
 #[derive(Clone, Debug)]
 pub(crate) struct Resolved {
     /// The tool center point in the cell frame.
-    #[cfg_attr(
-        not(test),
-        expect(dead_code, reason = "the controller is told its own numbers")
-    )]
     pub(crate) X_CT: Pose,
     /// The point as the robot's controller counts it: its own tool in its own user frame.
     pub(crate) controller_point: Xyzwpr,
-    #[cfg_attr(not(test), expect(dead_code, reason = "follows from the joints"))]
     pub(crate) configuration: Configuration,
     /// Inside the limits.
     pub(crate) joints: PendantJoints,

@@ -3,6 +3,8 @@
 //! An arm that stands where it may not be has to get out again: a way that leads no deeper than its start is not held
 //! against it.
 
+use std::fmt;
+
 use api::setup::ZoneKind;
 use kinematics::PendantJoints;
 use nalgebra::Point3;
@@ -25,6 +27,27 @@ pub(crate) struct Trespass {
     pub(crate) point: Point3<f64>,
     /// How deep a part of the arm is inside, or how far its tip is outside its work area.
     pub(crate) by: Millimeters,
+}
+
+impl fmt::Display for Trespass {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            zone,
+            kind,
+            point,
+            by,
+        } = self;
+        let what = match kind {
+            ZoneKind::KeepOut => "the arm would enter the keep-out zone",
+            ZoneKind::Handover => "the arm would enter the hand-over zone",
+            ZoneKind::Work => "the tool center point would leave the work area",
+        };
+        write!(
+            f,
+            "{what} `{zone}` by {:.1} mm, at x {:.1}, y {:.1}, z {:.1} mm of the cell",
+            by.0, point.x, point.y, point.z
+        )
+    }
 }
 
 impl Setup {

@@ -1,9 +1,10 @@
 //! Jobs that are refused: each names the item, the value and the limit, and nothing is kept.
 
+use journal::MemoryDisk;
 use serde_json::{Value, json};
 
 use crate::jobs::{JOBS, delivery, path_of};
-use crate::support::WorkCell;
+use crate::support::{DEMO_SETUP, WorkCell};
 
 /// The delivery with one thing changed.
 fn changed(pointer: &str, value: Value) -> Value {
@@ -96,6 +97,30 @@ async fn a_job_that_does_not_fit_is_refused_by_item() {
             json!(["rack/z"]),
             "params.items[0].alternates",
             "rack/z",
+        ),
+        (
+            "/priority",
+            json!(101),
+            "priority",
+            "101 is not from -100 to 100",
+        ),
+        (
+            "/priority",
+            json!(-101),
+            "priority",
+            "-101 is not from -100 to 100",
+        ),
+        (
+            "/deadline",
+            json!("tomorrow"),
+            "deadline",
+            "`tomorrow` is no time, expected a time with its offset (RFC 3339)",
+        ),
+        (
+            "/deadline",
+            json!(1_800_000_000),
+            "deadline",
+            "expected a time with its offset (RFC 3339)",
         ),
         (
             "/params/max_attempts",
@@ -290,5 +315,44 @@ async fn what_is_not_there_is_not_found() {
     for query in ["state=held", "limit=0", "cursor=x", "open=1"] {
         let reply = cell.get(&format!("{JOBS}?{query}")).await;
         let _problem = reply.problem(422, "validation", "NONE");
+    }
+}
+
+/// Both ends of the arm's way, or all of it, may be in a zone: a job that would have to go there is not taken.
+///
+/// Covers: H4.
+#[tokio::test]
+async fn h4_a_job_whose_approach_leads_through_a_zone_is_refused_by_place() {
+    for (kind, what) in [
+        ("KEEP_OUT", "the keep-out zone `post`"),
+        ("HANDOVER", "the hand-over zone `post`"),
+    ] {
+        // Below the approach to rack/d, at x -100, y 1000, and above where the load stands.
+        let post = format!(
+            "
+[[zones]]
+id = \"post\"
+kind = \"{kind}\"
+box.min = {{ x_mm = -150, y_mm = 950, z_mm = 660 }}
+box.max = {{ x_mm = -50, y_mm = 1050, z_mm = 700 }}
+"
+        );
+        let disk = MemoryDisk::new();
+        let cell = WorkCell::with_setup(&disk, &format!("{DEMO_SETUP}{post}")).await;
+        let reply = cell.post(JOBS, &delivery().to_string()).await;
+        let problem = reply.problem(422, "zone-violation", "NOT_SENT");
+        let violation = &problem["violations"][0];
+        assert_eq!(violation["item"], "params.items[0].place", "{problem}");
+        let message = violation["message"].as_str().unwrap();
+        for said in ["r1 at `rack/d`: the approach: ", what, " mm at x "] {
+            assert!(message.contains(said), "{message}");
+        }
+        assert!(violation["value"].as_f64().unwrap() < 0.0, "{problem}");
+        assert_eq!(violation["min"], 0.0, "{problem}");
+        let jobs = cell.get(JOBS).await.json();
+        assert_eq!(jobs["jobs"], json!([]));
+        // Beside it there is nothing in the way.
+        let other = changed("/params/items/0/place", json!("rack/f"));
+        assert_eq!(cell.post(JOBS, &other.to_string()).await.status, 201);
     }
 }

@@ -165,7 +165,7 @@ async fn one_key_used_by_many_at_once_makes_one_job() {
 async fn a_replay_after_the_deadline_still_finds_its_job() {
     let cell = WorkCell::start().await;
     let mut body = delivery();
-    let deadline = Timestamp::now() + SignedDuration::from_millis(300);
+    let deadline = Timestamp::now() + SignedDuration::from_millis(1_500);
     body["deadline"] = json!(deadline.to_string());
     let first = cell.post_with_key(JOBS, "k1", &body.to_string()).await;
     assert_eq!(first.status, 201, "{first:?}");

@@ -64,7 +64,11 @@ pub struct CalibrationRecord {
     #[schema(minimum = 0)]
     pub max_mm: f64,
     /// When it was measured.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        deserialize_with = "crate::moment::optional",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub at: Option<Timestamp>,
 }
 

@@ -61,8 +61,9 @@ pub struct TriggerJob {
     pub workflow: WorkflowName,
     /// Its parameters. Where they name no mobile robot, the job is for the one that signaled.
     pub params: JobParams,
-    /// Higher first; 0 where absent.
+    /// Higher first: -100 to 100; 0 where absent.
     #[serde(default)]
+    #[schema(minimum = -100, maximum = 100)]
     pub priority: i32,
     /// How long after the signal the job has to have started, in seconds: one that has not is stopped.
     #[serde(default, skip_serializing_if = "Option::is_none")]

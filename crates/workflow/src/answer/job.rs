@@ -23,7 +23,7 @@ impl Work<'_> {
     ) -> Result<(), Refusal> {
         let answer = decided.answer;
         let no = |text: String| Refusal::Conflict {
-            command: format!("answer {}", words::small(answer)),
+            command: format!("answer {}", words::word(&answer)),
             text,
         };
         match (answer, &decided.detail) {
@@ -77,7 +77,7 @@ impl Work<'_> {
             ) => {
                 return Err(Refusal::Invalid {
                     item: "detail".into(),
-                    problem: format!("{} needs to know which", words::small(answer)),
+                    problem: format!("{} needs to know which", words::word(&answer)),
                 });
             }
             _ => {}

@@ -24,12 +24,12 @@ impl Work<'_> {
         else {
             return Err(Refusal::Invalid {
                 item: "detail".into(),
-                problem: format!("{} needs to know where", words::small(decided.answer)),
+                problem: format!("{} needs to know where", words::word(&decided.answer)),
             });
         };
         if load != asked {
             return Err(Refusal::Conflict {
-                command: format!("answer {}", words::small(decided.answer)),
+                command: format!("answer {}", words::word(&decided.answer)),
                 text: format!("the question is about load {asked}"),
             });
         }

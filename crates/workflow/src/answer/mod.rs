@@ -23,7 +23,7 @@ impl Work<'_> {
         principal: &Principal,
         reason: &str,
     ) -> Result<Reply, Refusal> {
-        let name = format!("answer {}", words::small(answer));
+        let name = format!("answer {}", words::word(&answer));
         allowed(&name, principal, reason)?;
         let Some(found) = self.cell.book.interventions.get(&id).cloned() else {
             return Err(Refusal::Unknown {
@@ -48,7 +48,7 @@ impl Work<'_> {
             return Err(conflict("the question was decided or withdrawn".into()));
         }
         if !found.question.answers.contains(&answer) {
-            let allowed = found.question.answers.iter().map(words::small);
+            let allowed = found.question.answers.iter().map(words::word);
             let allowed = allowed.collect::<Vec<_>>().join(", ");
             return Err(conflict(format!("allowed are {allowed}")));
         }

@@ -17,7 +17,7 @@ impl Work<'_> {
         let answer = decided.answer;
         let Some(session) = question.session.and_then(|s| self.session(s)) else {
             return Err(Refusal::Conflict {
-                command: format!("answer {}", words::small(answer)),
+                command: format!("answer {}", words::word(&answer)),
                 text: "its session is not known any more".into(),
             });
         };

@@ -40,7 +40,7 @@ impl Work<'_> {
         let no = |text: &str| {
             Err(Refusal::Conflict {
                 command: word(command).to_owned(),
-                text: format!("the job is {}: {text}", words::capitals(state)),
+                text: format!("the job is {}: {text}", words::word(&state)),
             })
         };
         match command {
@@ -219,7 +219,7 @@ impl Work<'_> {
         if !matches!(job.state, JobState::Held | JobState::Suspended) {
             return no(format!(
                 "the job is {}; hold it first",
-                words::capitals(job.state)
+                words::word(&job.state)
             ));
         }
         if self.cell.ops_of(job.id).next().is_some() {
@@ -239,7 +239,7 @@ impl Work<'_> {
         }
         if command == Command::SkipStep {
             if !phase.may_skip() {
-                return no(format!("{} is a deed, not a check", words::capitals(phase)));
+                return no(format!("{} is a deed, not a check", words::word(&phase)));
             }
             if phase == Phase::VerifyLoad && job.items.iter().any(|i| i.load.is_none()) {
                 return no("the loads have no names yet; accept them instead".into());
@@ -292,13 +292,13 @@ impl Work<'_> {
         } else {
             return no(format!(
                 "{} is proven by what is seen, not by words",
-                words::capitals(phase)
+                words::word(&phase)
             ));
         };
         if !agrees {
             return no(format!(
                 "{}: say first where the load is (set-custody)",
-                words::capitals(phase)
+                words::word(&phase)
             ));
         }
         self.step_to(job, step, StepState::Succeeded, "completed by a human");

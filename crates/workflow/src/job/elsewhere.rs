@@ -50,9 +50,7 @@ impl Work<'_> {
 
     /// F6 in B: the next slot of the mobile robot that is free and was taught, each of them once.
     pub(super) fn use_another_slot(&mut self, job: &Job, step: usize, index: usize) -> bool {
-        let (Some(mobile_robot), Some(arm), Some(item)) =
-            (&job.mobile_robot, &job.arm, job.items.get(index))
-        else {
+        let (Some(mobile_robot), Some(item)) = (&job.mobile_robot, job.items.get(index)) else {
             return false;
         };
         let Some(setup) = self.cell.setup.mobile_robot(mobile_robot) else {
@@ -69,20 +67,8 @@ impl Work<'_> {
             .cycle()
             .skip(here.map_or(0, |here| here + 1))
             .take(setup.slots.len());
-        let free = next.filter(|slot| {
-            let place = PlaceRef::MobileRobot {
-                point: job.spec.point.clone(),
-                slot: (*slot).clone(),
-            };
-            let at = Location::MobileRobot {
-                mobile_robot: mobile_robot.clone(),
-                slot: (*slot).clone(),
-            };
-            !job.items.iter().any(|item| item.slot == **slot)
-                && self.cell.setup.is_taught(arm, &place)
-                && self.cell.is_free(&at)
-        });
-        let Some(slot) = free.clone().next().cloned() else {
+        let mut free = next.filter(|slot| self.is_free_slot(job, &job.items, slot));
+        let Some(slot) = free.next().cloned() else {
             return false;
         };
         let to = Item {
@@ -91,6 +77,24 @@ impl Work<'_> {
         };
         self.redirect_slot(job, index, to);
         true
+    }
+
+    /// Whether a slot of the job's mobile robot is free, was taught to the job's arm, and is meant for none of `items`.
+    pub(super) fn is_free_slot(&self, job: &Job, items: &[Item], slot: &str) -> bool {
+        let (Some(mobile_robot), Some(arm)) = (&job.mobile_robot, &job.arm) else {
+            return false;
+        };
+        let place = PlaceRef::MobileRobot {
+            point: job.spec.point.clone(),
+            slot: slot.to_owned(),
+        };
+        let at = Location::MobileRobot {
+            mobile_robot: mobile_robot.clone(),
+            slot: slot.to_owned(),
+        };
+        !items.iter().any(|item| item.slot == slot)
+            && self.cell.setup.is_taught(arm, &place)
+            && self.cell.is_free(&at)
     }
 
     /// An item goes into another slot of the mobile robot.

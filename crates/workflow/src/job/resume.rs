@@ -53,7 +53,7 @@ impl Work<'_> {
                 return Err(format!(
                     "{} is in mode {}",
                     session.mobile_robot,
-                    words::capitals(seen.mode)
+                    words::word(&seen.mode)
                 ));
             }
             return self.still_serves(session);

@@ -9,7 +9,6 @@ use crate::intervention::Answer;
 use crate::job::phase::Phase;
 use crate::job::{Item, Job, JobState, StepState};
 use crate::react::Reaction;
-use crate::setup::PlaceRef;
 use crate::signal::SlotLoad;
 use crate::words;
 use crate::work::{Ask, Work};
@@ -118,12 +117,10 @@ impl Work<'_> {
 
     /// F5: another slot that is free, taught and not used by this job.
     pub(crate) fn other_slots(&mut self, job: &Job) -> bool {
-        let (Some(report), Some(mobile_robot), Some(arm)) =
-            (self.report(job), job.mobile_robot.clone(), job.arm.clone())
-        else {
+        let (Some(report), Some(mobile_robot)) = (self.report(job), &job.mobile_robot) else {
             return false;
         };
-        let Some(setup) = self.cell.setup.mobile_robot(&mobile_robot).cloned() else {
+        let Some(setup) = self.cell.setup.mobile_robot(mobile_robot).cloned() else {
             return false;
         };
         let mut changed = false;
@@ -135,20 +132,9 @@ impl Work<'_> {
             if !report.iter().any(|l| l.slot == item.slot) {
                 continue;
             }
-            let free = setup.slots.iter().find(|slot| {
-                let place = PlaceRef::MobileRobot {
-                    point: job.spec.point.clone(),
-                    slot: (*slot).clone(),
-                };
-                let at = Location::MobileRobot {
-                    mobile_robot: mobile_robot.clone(),
-                    slot: (*slot).clone(),
-                };
-                !report.iter().any(|l| l.slot == **slot)
-                    && !items.iter().any(|i| i.slot == **slot)
-                    && self.cell.setup.is_taught(&arm, &place)
-                    && self.cell.is_free(&at)
-            });
+            let reported = |slot: &str| report.iter().any(|l| l.slot == slot);
+            let mut slots = setup.slots.iter();
+            let free = slots.find(|slot| !reported(slot) && self.is_free_slot(job, &items, slot));
             let Some(slot) = free.cloned() else {
                 return false;
             };

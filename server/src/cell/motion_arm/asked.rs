@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use api::MotionType;
 use journal::OutputLevel;
-use kinematics::PendantJoints;
 use workflow::{
     Action, BasePose, GripAction, Interpolation, OpResult, PoseFailure, Speed as Pace,
     Target as Goal,
@@ -16,8 +15,8 @@ use super::{
 };
 use crate::motions::{Asked, Speed, actual};
 use crate::setup::book::Kept;
-use crate::setup::path::joint_path;
 use crate::setup::resolve::Resolved;
+use crate::setup::ways::Shape;
 
 impl MotionArm {
     pub(super) fn resolve(
@@ -31,13 +30,23 @@ impl MotionArm {
             .map_err(|error| error.to_string())
     }
 
-    pub(super) fn precheck(&self, targets: &[Goal]) -> OpResult {
+    /// Plans the poses of a job: each can be reached, and no way there or back leads where it may not.
+    pub(super) async fn precheck(&self, targets: &[Goal]) -> OpResult {
         let kept = self.setup.current();
+        let taught = |goal: &Goal| match goal {
+            Goal::At { place } => kept.setup.taught_at(self.id(), place),
+            Goal::Safe | Goal::ApproachOf { .. } | Goal::LiftOf { .. } => None,
+        };
+        kept.look_at_ways(targets.iter().filter_map(taught).collect())
+            .await;
         let failures = targets
             .iter()
             .enumerate()
             .filter_map(|(target, goal)| {
-                let reason = self.resolve(&kept, goal, None).err()?;
+                let reason = match self.resolve(&kept, goal, None) {
+                    Err(reason) => reason,
+                    Ok(_) => kept.forbidden_way(taught(goal)?)?.to_string(),
+                };
                 Some(PoseFailure { target, reason })
             })
             .collect();
@@ -56,9 +65,7 @@ impl MotionArm {
             } => {
                 let kept = self.setup.current();
                 let to = self.resolve(&kept, target, *docked).map_err(rejected)?;
-                if *interpolation == Interpolation::Joint {
-                    self.check_way(kept, &to.joints).await?;
-                }
+                self.check_way(kept, &to, *interpolation, target).await?;
                 Ok(asked_motion(&to, *interpolation, *speed))
             }
             Action::Grip { action } => {
@@ -80,26 +87,43 @@ impl MotionArm {
         }
     }
 
-    /// The way itself, not only its end, stays out of what nobody may touch.
+    /// The way itself, not only its end, stays out of what nobody may touch, out of the hand-over zones of other places,
+    /// and in its work area.
     ///
-    /// The arm is looked at every degree of the joint that turns farthest, at most some 700 times, against each of its
-    /// keep-out zones. Of a small cell that is less than a millisecond, and done at once; what may be more is done on
-    /// a thread that answers nobody, one for all arms.
-    pub(super) async fn check_way(
+    /// The arm is looked at every degree of the joint that turns farthest, at most some 700 times, or every 5 mm of a
+    /// line, against each of its zones. Of a small cell that is less than a millisecond, and done at once; what may be more
+    /// is done on a thread that answers nobody, one for all arms.
+    async fn check_way(
         &self,
         kept: Arc<Kept>,
-        to: &PendantJoints,
+        to: &Resolved,
+        interpolation: Interpolation,
+        goal: &Goal,
     ) -> Result<(), OpResult> {
-        let from = actual(&self.robot, &self.link).map_err(|problem| not_now(&problem))?;
-        let samples = joint_path(&from.joints, to);
-        let id = self.id().to_owned();
-        let looks = samples.len() * kept.setup.keep_out_zones_of(&id);
+        let zones = kept.setup.count_zones_of(self.id());
+        if zones == 0 {
+            // A way is hundreds of postures: they are not calculated for nothing.
+            return Ok(());
+        }
+        let start = actual(&self.robot, &self.link).map_err(|problem| not_now(&problem))?;
+        let start = start.joints;
+        let shape = match interpolation {
+            Interpolation::Joint => Shape::Joint,
+            Interpolation::Linear => Shape::Straight,
+        };
+        let Some(arm) = kept.setup.arm(self.id()) else {
+            return Ok(());
+        };
+        let rejected = |text: String| OpResult::Rejected { text };
+        let samples = shape.samples(arm, &start, to).map_err(rejected)?;
+        let looks = samples.len() * zones;
+        let (id, goal, of_set_up) = (self.id().to_owned(), goal.clone(), Arc::clone(&kept));
         let check = move || {
-            let checked = kept
-                .setup
-                .arm(&id)
-                .map(|arm| kept.setup.check_path(arm, &samples));
-            checked.transpose().map(drop)
+            let setup = &of_set_up.setup;
+            let arm = setup.arm(&id);
+            let checked = arm.map(|arm| setup.check_way(arm, &start, &samples, &goal));
+            let forbidden = checked.and_then(Result::err);
+            forbidden.map_or(Ok(()), |found| Err(found.to_string()))
         };
         let checked = if looks <= AT_ONCE {
             check()
@@ -109,15 +133,10 @@ impl MotionArm {
             };
             match tokio::task::spawn_blocking(check).await {
                 Ok(checked) => checked,
-                Err(error) => {
-                    let text = format!("the way could not be checked: {error}");
-                    return Err(OpResult::Rejected { text });
-                }
+                Err(error) => Err(format!("the way could not be checked: {error}")),
             }
         };
-        checked.map_err(|violation| OpResult::Rejected {
-            text: violation.to_string(),
-        })
+        checked.map_err(rejected)
     }
 }
 

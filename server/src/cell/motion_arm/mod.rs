@@ -90,7 +90,7 @@ impl ArmPort for MotionArm {
                     let ended = this.carry_out(&operation).await;
                     this.gripped(ended).await
                 }
-                Action::Precheck { targets } => this.precheck(targets),
+                Action::Precheck { targets } => this.precheck(targets).await,
             }
         })
     }
@@ -105,7 +105,7 @@ impl ArmPort for MotionArm {
                     this.gripped(ended).await
                 }
                 // Nothing moved for it: it is simply done again.
-                Action::Precheck { targets } => this.precheck(targets),
+                Action::Precheck { targets } => this.precheck(targets).await,
             }
         })
     }

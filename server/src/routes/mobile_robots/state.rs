@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use api::{
-    FloorPoseBody, MobileErrorBody, MobileErrorLevel, MobileRobotState, MobileRobotSummary,
-    OperatingMode, SignalData, SlotLoadBody,
+    MobileErrorBody, MobileErrorLevel, MobileRobotState, MobileRobotSummary, OperatingMode,
+    SignalData, SlotLoadBody,
 };
 use axum::Json;
 use axum::extract::State;
@@ -16,6 +16,7 @@ use super::super::responses::{AnyProblem, NotFound};
 use super::{MobileRobotOf, MobileRobotPath};
 use crate::problem::Problem;
 use crate::state::App;
+use crate::wire_bodies::{self, floor_pose};
 
 /// Lists the mobile robots of a cell's set-up.
 #[utoipa::path(
@@ -103,14 +104,10 @@ fn shown(
 fn data(state: MobileState, slots: &[String]) -> SignalData {
     let told = state.loads;
     SignalData {
-        pose: FloorPoseBody {
-            x_mm: state.pose.x_mm,
-            y_mm: state.pose.y_mm,
-            heading_deg: state.pose.heading_deg,
-        },
+        pose: floor_pose(state.pose),
         driving: state.driving,
         localized: state.localized,
-        battery_percent: state.battery_percent,
+        battery_percent: wire_bodies::shown(state.battery_percent),
         mode: mode(state.mode),
         // The cell keeps the slots that are occupied; the others of the robot are empty, if it told of any.
         loads: told.map(|told| {

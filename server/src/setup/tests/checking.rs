@@ -278,3 +278,98 @@ fn the_samples_of_a_way_are_close_together_and_hold_both_ends() {
     }
     assert_eq!(joint_path(&from, &from).len(), 2);
 }
+
+/// A way of a job, right before it is sent: the line to the load, and the hand-over zones on the way.
+#[test]
+fn h4_a_way_of_a_job_respects_every_zone_but_that_of_its_own_place() {
+    use crate::setup::ways::Shape;
+    use workflow::{PlaceRef, Target};
+
+    let text = |id: &str, kind: &str, x: f64, y: f64, z: [f64; 2]| {
+        let [low, high] = z;
+        format!(
+            "\n[[zones]]\nid = \"{id}\"\nkind = \"{kind}\"\n\
+             box.min = {{ x_mm = {:.1}, y_mm = {:.1}, z_mm = {low:.1} }}\n\
+             box.max = {{ x_mm = {:.1}, y_mm = {:.1}, z_mm = {high:.1} }}\n",
+            x - 50.0,
+            y - 50.0,
+            x + 50.0,
+            y + 50.0
+        )
+    };
+    let rack = PlaceRef::fixed("rack/d");
+    let left = PlaceRef::MobileRobot {
+        point: "handover/front".into(),
+        slot: "left".into(),
+    };
+    let said = |more: &str, place: &PlaceRef, goal: fn(PlaceRef) -> Target, shape: Shape| {
+        let setup = setup(&format!("{DEMO}{more}"));
+        let arm = setup.arm("r1").unwrap();
+        let to = |target: &Target| setup.resolve_for("r1", target, None).unwrap();
+        let from = match shape {
+            Shape::Joint => to(&Target::Safe),
+            Shape::Straight => to(&Target::ApproachOf {
+                place: place.clone(),
+            }),
+        };
+        let goal = goal(place.clone());
+        let samples = shape.samples(arm, &from.joints, &to(&goal)).unwrap();
+        let found = setup.check_way(arm, &from.joints, &samples, &goal);
+        found.err().map_or(String::new(), |found| found.to_string())
+    };
+    let at: fn(PlaceRef) -> Target = |place| Target::At { place };
+    let before: fn(PlaceRef) -> Target = |place| Target::ApproachOf { place };
+    let lower = [660.0, 700.0];
+    let post = text("post", "KEEP_OUT", -100.0, 1_000.0, lower);
+    let foreign = text("foreign", "HANDOVER", -100.0, 1_000.0, lower);
+    assert_eq!(said("", &rack, at, Shape::Straight), "");
+    assert_eq!(said("", &left, at, Shape::Straight), "", "its own zone");
+    assert_eq!(said("", &left, before, Shape::Joint), "", "its own zone");
+    assert_eq!(said(&post, &rack, before, Shape::Joint), "");
+    let found = said(&post, &rack, at, Shape::Straight);
+    assert!(
+        found.contains("the keep-out zone `post` by ") && found.contains(" mm, at x "),
+        "{found}"
+    );
+    let found = said(&foreign, &rack, at, Shape::Straight);
+    assert!(found.contains("the hand-over zone `foreign`"), "{found}");
+    // In the way of the arm to the mobile robot, at the height of its approach.
+    let beside = text("foreign", "HANDOVER", 800.0, 600.0, [700.0, 1_300.0]);
+    let found = said(&beside, &left, before, Shape::Joint);
+    assert!(found.contains("the hand-over zone `foreign`"), "{found}");
+}
+
+/// The way out of a hand-over zone, lifted over its edge, is no way into one.
+#[test]
+fn h4_who_was_lifted_over_the_edge_of_its_zone_goes_back_through_it() {
+    use workflow::Target;
+
+    // The zone ends below the lifted arm's tip, and the arm turns down again on its way.
+    let low = with(
+        DEMO,
+        "x_mm = 1600, y_mm = 700, z_mm = 1100",
+        "x_mm = 1600, y_mm = 700, z_mm = 800",
+    );
+    let setup = setup(&low);
+    let arm = setup.arm("r1").unwrap();
+    let above = PendantJoints::from_degrees([0.0, 0.0, 0.0, 0.0, -90.0, 0.0]);
+    let body = arm.capsules(&above);
+    let front = setup.zones.iter().find(|zone| zone.id == "front").unwrap();
+    assert!(body.iter().all(|part| front.bounds.gap(part).0 > 0.0));
+    let dips = PendantJoints::from_degrees([0.0, 45.0, -30.0, 0.0, -60.0, 0.0]);
+    let samples = joint_path(&above, &dips);
+    let trespass = setup.trespasses(arm, Some(&above), &samples);
+    assert!(
+        trespass.iter().any(|found| found.zone == "front"),
+        "{trespass:?}"
+    );
+    assert_eq!(
+        setup.check_way(arm, &above, &samples, &Target::Safe),
+        Ok(())
+    );
+    // From beside it, it is a way into it.
+    let aside = PendantJoints::from_degrees([90.0, 0.0, 0.0, 0.0, -90.0, 0.0]);
+    let samples = joint_path(&aside, &dips);
+    let found = setup.check_way(arm, &aside, &samples, &Target::Safe);
+    assert_eq!(found.unwrap_err().zone, "front");
+}

@@ -41,11 +41,16 @@ impl WorkCell {
 
     /// With the journal of a disk; ready once the cell has its set-up.
     pub(crate) async fn on(disk: &MemoryDisk) -> Self {
+        Self::with_setup(disk, DEMO_SETUP).await
+    }
+
+    /// With a set-up that has the demo's loads.
+    pub(crate) async fn with_setup(disk: &MemoryDisk, setup: &str) -> Self {
         let robot = FakeRobot::accepting().await;
         let cell = CellSection {
             id: "c1".to_owned(),
             name: None,
-            setup: Some(SetupSource::Memory(DEMO_SETUP.to_owned())),
+            setup: Some(SetupSource::Memory(setup.to_owned())),
             push_urls: std::collections::BTreeMap::new(),
             robots: vec![robot_section(robot.address)],
         };
