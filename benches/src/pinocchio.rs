@@ -116,12 +116,13 @@ impl Peer {
         (0..states).map(|_| self.numbers()).collect()
     }
 
-    /// One pass over all states: nanoseconds a state, of its thread's CPU time.
+    /// Passes over all states, after one that does not count: nanoseconds a state, of its thread's
+    /// CPU time.
     ///
     /// # Errors
     /// As [`Self::results`].
-    pub fn run(&mut self, task: Task) -> Result<f64> {
-        writeln!(self.commands, "run {}", task.word())?;
+    pub fn run(&mut self, task: Task, passes: u32) -> Result<f64> {
+        writeln!(self.commands, "run {} {passes}", task.word())?;
         self.commands.flush()?;
         match self.numbers()?.as_slice() {
             [nanoseconds] => Ok(*nanoseconds),

@@ -1,8 +1,8 @@
 use api::arms::{
     ArmCalibrationBody, ArmCalibrationResult, ArmDescription, ArmForwardBody, ArmForwardResult,
-    ArmInverseBody, ArmInverseResult, ArmJacobianBody, ArmJacobianResult, ArmList, ArmRatesBody,
-    ArmRatesResult, ArmTransferBody, ArmTransferResult, ArmVelocityMotionBody,
-    ArmVelocityMotionResult, ReachBody, ReachResult,
+    ArmInverseBody, ArmInverseDynamicsBody, ArmInverseDynamicsResult, ArmInverseResult,
+    ArmJacobianBody, ArmJacobianResult, ArmList, ArmRatesBody, ArmRatesResult, ArmTransferBody,
+    ArmTransferResult, ArmVelocityMotionBody, ArmVelocityMotionResult, ReachBody, ReachResult,
 };
 use api::paths::{CellRouteBody, PlanRouteBody, PlanRouteResult};
 use api::trajectory::{ToolPathBody, ToolPathResult, TrajectoryBody, TrajectoryResult};
@@ -90,6 +90,19 @@ impl Arms {
         body: &ArmRatesBody,
     ) -> Result<ArmRatesResult, ClientError> {
         self.ask(model, "rates", body).await
+    }
+
+    /// The joints' torques for a motion.
+    ///
+    /// # Errors
+    /// As [`Arms::forward`]; `validation` of `links` for a model that does not say what its links weigh, if the question
+    /// does not either.
+    pub async fn inverse_dynamics(
+        &self,
+        model: &str,
+        body: &ArmInverseDynamicsBody,
+    ) -> Result<ArmInverseDynamicsResult, ClientError> {
+        self.ask(model, "inverse-dynamics", body).await
     }
 
     /// The motion of the tool with a constant velocity.

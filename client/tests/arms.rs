@@ -69,6 +69,10 @@ const COMMANDS: &[(&str, i32)] = &[
         1,
     ),
     (
+        "arm torques five-link 0 45 -60 0 30 --velocities 30,-10,0,20,0 --accelerations 0,90,0,0,-90 --payload 0.5 --payload-center 0,0.02,0.05 --gravity 0,1,-9.7",
+        0,
+    ),
+    (
         "arm calibrate fanuc-m20ia --tip 5.947,-3.744,-10.630,0,-79.370,-5.947 --tip 5.280,5.018,-11.157,-2.294,-103.739,-5.333 --tip 9.238,-7.147,-11.451,18.346,-69.022,25.580 --plot P.svg",
         0,
     ),
@@ -160,6 +164,10 @@ async fn a_server_answers_as_the_program_itself_does() -> Result<()> {
             ("arm fk fanuc-m20ia 0 0 0", "joints_deg_mm"),
             ("arm fk no-such-arm 0 0 0", "no-such-arm"),
             ("arm ik fanuc-m20ia 5000 0 940 180 0 0", "3298.630 mm"),
+            (
+                "arm torques scara 0 0 0 0",
+                "scara has no mass_kg, center_of_mass_m and inertia_kg_m2 of J1, J2, Z, J4",
+            ),
         ] {
             for server in [None, Some(&*server)] {
                 let ran = cellctl(folder.path(), server, line)?;

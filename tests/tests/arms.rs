@@ -2,8 +2,8 @@
 
 use anyhow::Context as _;
 use api::arms::{
-    ArmCalibrationBody, ArmForwardBody, ArmInverseBody, ArmJacobianBody, ArmRatesBody,
-    ArmTransferBody, ArmVelocityMotionBody, ReachBody,
+    ArmCalibrationBody, ArmForwardBody, ArmInverseBody, ArmInverseDynamicsBody, ArmJacobianBody,
+    ArmRatesBody, ArmTransferBody, ArmVelocityMotionBody, ReachBody,
 };
 use api::paths::PlanRouteBody;
 use api::trajectory::{ToolPathBody, TrajectoryBody};
@@ -45,6 +45,7 @@ async fn a_question_over_http_has_the_answer_of_the_library() -> anyhow::Result<
         ArmInverseBody: inverse is inverse;
         ArmJacobianBody: jacobian is jacobian;
         ArmRatesBody: rates is rates;
+        ArmInverseDynamicsBody: inverse_dynamics is inverse_dynamics;
         ArmVelocityMotionBody: velocity_motion is velocity_motion;
         ArmCalibrationBody: calibrate_tool is calibrate;
         ReachBody: reachability is reach;

@@ -5,6 +5,7 @@ use kinematics::serial::{JointKind, SerialJoint};
 
 use crate::arm::Arm;
 use crate::convert::{shown, shown_pose};
+use crate::dynamics::inertia_body;
 use crate::refusal::Refusal;
 use crate::shape;
 
@@ -75,5 +76,6 @@ fn joint_body(joint: &SerialJoint, all: &[SerialJoint]) -> ArmJoint {
         max_deg_mm: own(joint.max),
         max_speed_deg_mm_s: own(joint.max_speed),
         max_acceleration_deg_mm_s2: own(joint.max_acceleration),
+        inertia: joint.inertia.as_ref().map(inertia_body),
     }
 }

@@ -11,6 +11,7 @@
 //! | Jacobians, rank, what is lost | [`jacobian`](jacobian()) | textbook (1.78) to (1.90) |
 //! | joint rates of a velocity | [`rates`](rates()) | textbook (1.91) to (1.93) |
 //! | motion by a velocity vector | [`velocity_motion`](velocity_motion()) | paper, section 6 |
+//! | torques of the joints for a motion | [`inverse_dynamics`](inverse_dynamics()) | Luh, Walker and Paul (1980) |
 //! | a tool out of taught points | [`calibrate`](calibrate()) | thesis, R and p after (12) |
 //! | which poses are reached | [`reach`](reach()) | as `inverse` |
 //! | joints in time | [`trajectory`](trajectory()) | textbook (2.16) to (2.42) |
@@ -46,6 +47,7 @@ mod calibrate;
 mod cell_route;
 mod convert;
 mod describe;
+mod dynamics;
 mod forward;
 mod inverse;
 mod joint_seconds;
@@ -64,6 +66,7 @@ pub use calibrate::calibrate;
 pub use cell_route::route_in_cell;
 pub use convert::{point_of, pose_body, shown};
 pub use describe::{describe, models};
+pub use dynamics::inverse_dynamics;
 pub use forward::forward;
 pub use inverse::{inverse, is_search};
 pub use joint_seconds::joint_seconds;

@@ -68,6 +68,11 @@ const TABLE: &[(&str, &str, Access)] = &[
     (POST, "/api/v1/arms/{model}/inverse", Access::Viewer),
     (POST, "/api/v1/arms/{model}/jacobian", Access::Viewer),
     (POST, "/api/v1/arms/{model}/rates", Access::Viewer),
+    (
+        POST,
+        "/api/v1/arms/{model}/inverse-dynamics",
+        Access::Viewer,
+    ),
     (POST, "/api/v1/arms/{model}/calibrate-tool", Access::Viewer),
     (POST, "/api/v1/arms/{model}/velocity-motion", Access::Viewer),
     (POST, "/api/v1/arms/{model}/reachability", Access::Viewer),

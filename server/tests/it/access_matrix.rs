@@ -110,6 +110,7 @@ POST   /api/v1/arms/{model}/forward                                  VOIA
 POST   /api/v1/arms/{model}/inverse                                  VOIA
 POST   /api/v1/arms/{model}/jacobian                                 VOIA
 POST   /api/v1/arms/{model}/rates                                    VOIA
+POST   /api/v1/arms/{model}/inverse-dynamics                         VOIA
 POST   /api/v1/arms/{model}/calibrate-tool                           VOIA
 POST   /api/v1/arms/{model}/velocity-motion                          VOIA
 POST   /api/v1/arms/{model}/reachability                             VOIA

@@ -238,3 +238,17 @@ async fn a_mobile_robots_path_goes_around_what_its_cell_has() {
     let reply = server.post(&path.replace("mr1", "mr9"), &to_front).await;
     let _problem = reply.problem(404, "not-found", "NOT_SENT");
 }
+
+/// The M-20iA's maker publishes no masses, and none are made up.
+#[tokio::test]
+async fn torques_of_an_arm_that_nobody_weighed_are_refused() {
+    let robot = FakeRobot::accepting().await;
+    let server = TestServer::start(&robot).await;
+    let body = json!({"joints_deg_mm": [0, 0, 0, 0, -90, 0]});
+    let path = format!("{ARM}/inverse-dynamics");
+    let reply = server.post(&path, &body.to_string()).await;
+    let problem = reply.problem(422, "validation", "NONE");
+    assert_eq!(problem["violations"][0]["item"], "links");
+    let detail = problem["detail"].as_str().unwrap();
+    assert!(detail.contains("inertia_kg_m2 of J1, J2, J3"), "{detail}");
+}

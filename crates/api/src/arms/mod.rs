@@ -5,12 +5,14 @@
 //! lists of x, y and z. Poses are the tool's in the user frame; both frames are the identity where they are absent, so
 //! that a pose is the flange's in the arm's world.
 
+mod dynamics;
 mod model;
 mod posture;
 mod reach;
 mod transfer;
 mod velocity;
 
+pub use dynamics::{ArmInertia, ArmInverseDynamicsBody, ArmInverseDynamicsResult};
 pub use model::{
     ArmCapsule, ArmDescription, ArmJoint, ArmJointCoupling, ArmJointKind, ArmList, ArmSolver,
     ArmSummary, ArmTask,

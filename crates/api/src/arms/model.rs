@@ -1,6 +1,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::ArmInertia;
 use crate::PoseBody;
 
 /// The arm models that are known.
@@ -120,6 +121,9 @@ pub struct ArmJoint {
     pub max_speed_deg_mm_s: f64,
     /// The highest acceleration.
     pub max_acceleration_deg_mm_s2: f64,
+    /// What its link weighs, in the link's frame, if the model says so: behind this row of the table.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inertia: Option<ArmInertia>,
 }
 
 /// Another joint that moves a joint's link too.

@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod common;
+mod dynamics;
 mod paths;
 mod postures;
 mod tools;

@@ -9,8 +9,8 @@ use std::time::Duration;
 
 use api::arms::{
     ArmCalibrationBody, ArmCalibrationResult, ArmDescription, ArmForwardBody, ArmForwardResult,
-    ArmInverseBody, ArmInverseResult, ArmJacobianBody, ArmJacobianResult, ArmList, ArmRatesBody,
-    ArmRatesResult,
+    ArmInverseBody, ArmInverseDynamicsBody, ArmInverseDynamicsResult, ArmInverseResult,
+    ArmJacobianBody, ArmJacobianResult, ArmList, ArmRatesBody, ArmRatesResult,
 };
 use api::{ProblemCode, Violation};
 use axum::Json;
@@ -38,6 +38,7 @@ pub(super) fn documented() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(arm_inverse))
         .routes(routes!(arm_jacobian))
         .routes(routes!(arm_rates))
+        .routes(routes!(arm_inverse_dynamics))
         .routes(routes!(arm_calibrate_tool))
         .routes(routes!(planning::arm_velocity_motion))
         .routes(routes!(planning::arm_reachability))
@@ -228,6 +229,27 @@ async fn arm_rates(
     ListJson(body): ListJson<ArmRatesBody>,
 ) -> Result<Json<ArmRatesResult>, Problem> {
     answered(robotics::rates(&model, &body))
+}
+
+/// Computes the torques of an arm model's joints for a motion: recursive Newton-Euler.
+///
+/// The links weigh what the model says, or what the question says in `links`.
+#[utoipa::path(
+    post, path = "/api/v1/arms/{model}/inverse-dynamics", tag = "arms",
+    params(ArmPath),
+    request_body = ArmInverseDynamicsBody,
+    responses(
+        (status = 200, description = "The torques.", body = ArmInverseDynamicsResult),
+        (status = 422, description = "`validation`: an item is out of its range; of `links`: the model does not say what they weigh.",
+            body = api::Problem, content_type = "application/problem+json"),
+        CrossSite, InvalidJson, NotFound, BodyProblem, AnyProblem,
+    ),
+)]
+async fn arm_inverse_dynamics(
+    ModelName(model): ModelName,
+    ListJson(body): ListJson<ArmInverseDynamicsBody>,
+) -> Result<Json<ArmInverseDynamicsResult>, Problem> {
+    answered(robotics::inverse_dynamics(&model, &body))
 }
 
 /// Computes a tool out of taught points: three-point or six-point method.

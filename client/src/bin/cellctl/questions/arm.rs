@@ -2,12 +2,12 @@
 
 use clap::{Args, Subcommand};
 
-use super::{calibrate, describe, pose, space, transfer, velocity};
+use super::{calibrate, describe, pose, space, torques, transfer, velocity};
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::report::Report;
 
-/// Ask about an arm model: forward and inverse kinematics, Jacobians, reach, ways among obstacles. Nothing moves.
+/// Ask about an arm model: forward and inverse kinematics, Jacobians, torques, reach, ways among obstacles. Nothing moves.
 ///
 /// Answered by this program, or by the server that --server names. Joint values are lists, base first: degrees of a
 /// joint that turns, millimeters of one that slides. Poses are the tool's in the user frame; without --tool and
@@ -28,6 +28,7 @@ enum ArmCommand {
     Jacobian(velocity::JacobianArgs),
     Rates(velocity::RatesArgs),
     MoveVelocity(velocity::MotionArgs),
+    Torques(torques::TorquesArgs),
     Calibrate(calibrate::CalibrateArgs),
     Reach(space::ReachArgs),
     Transfer(transfer::TransferArgs),
@@ -42,6 +43,7 @@ pub(crate) async fn run(args: ArmArgs, context: &Context) -> Result<Report, Fail
         ArmCommand::Jacobian(args) => velocity::jacobian(args, context).await,
         ArmCommand::Rates(args) => velocity::rates(args, context).await,
         ArmCommand::MoveVelocity(args) => velocity::motion(args, context).await,
+        ArmCommand::Torques(args) => torques::run(args, context).await,
         ArmCommand::Calibrate(args) => calibrate::run(args, context).await,
         ArmCommand::Reach(args) => space::run(args, context).await,
         ArmCommand::Transfer(args) => transfer::run(args, context).await,

@@ -2,9 +2,9 @@
 
 use api::arms::{
     ArmCalibrationBody, ArmCalibrationResult, ArmDescription, ArmForwardBody, ArmForwardResult,
-    ArmFrames, ArmInverseBody, ArmInverseResult, ArmJacobianBody, ArmJacobianResult, ArmList,
-    ArmRatesBody, ArmRatesResult, ArmTransferBody, ArmTransferResult, ArmVelocityMotionBody,
-    ArmVelocityMotionResult, ReachBody, ReachResult,
+    ArmFrames, ArmInverseBody, ArmInverseDynamicsBody, ArmInverseDynamicsResult, ArmInverseResult,
+    ArmJacobianBody, ArmJacobianResult, ArmList, ArmRatesBody, ArmRatesResult, ArmTransferBody,
+    ArmTransferResult, ArmVelocityMotionBody, ArmVelocityMotionResult, ReachBody, ReachResult,
 };
 use api::paths::{PlanRouteBody, PlanRouteResult};
 use api::trajectory::{ToolPathBody, ToolPathResult, TrajectoryBody, TrajectoryResult};
@@ -45,6 +45,7 @@ questions! {
     jacobian(ArmJacobianBody) -> ArmJacobianResult, jacobian;
     rates(ArmRatesBody) -> ArmRatesResult, rates;
     velocity_motion(ArmVelocityMotionBody) -> ArmVelocityMotionResult, velocity_motion;
+    inverse_dynamics(ArmInverseDynamicsBody) -> ArmInverseDynamicsResult, inverse_dynamics;
     calibrate(ArmCalibrationBody) -> ArmCalibrationResult, calibrate_tool;
     reach(ReachBody) -> ReachResult, reachability;
     transfer(ArmTransferBody) -> ArmTransferResult, transfer;

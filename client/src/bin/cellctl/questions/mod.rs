@@ -14,6 +14,7 @@ mod route;
 mod show;
 mod space;
 mod tool_path;
+mod torques;
 mod trajectory;
 mod transfer;
 mod velocity;
