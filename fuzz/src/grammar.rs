@@ -299,10 +299,7 @@ fn fill(text: &mut String, template: &str, choices: &mut Choices<'_>, depth: usi
     while let Some((before, behind)) = rest.split_once('{') {
         text.push_str(before);
         let (hole, after) = behind.split_once('}').expect("a hole ends");
-        let (_, templates) = ROWS
-            .iter()
-            .find(|(name, _)| *name == hole)
-            .unwrap_or_else(|| panic!("no row {hole}"));
+        let templates = templates_of(hole);
         let shallow = depth >= DEEPEST || choices.is_over() || text.len() > LONGEST;
         let chosen = if shallow {
             templates.first().expect("a row has a template")
@@ -338,23 +335,30 @@ fn number_labels(text: &str) -> String {
     numbered
 }
 
-/// How many ways there are to fill each hole, for whoever draws them all.
-#[must_use]
-pub fn rows() -> Vec<(&'static str, usize)> {
-    ROWS.iter()
-        .map(|(name, templates)| (*name, templates.len()))
-        .collect()
-}
-
 /// A program whose main body is one statement: the template with this number of row `s`, if there is one.
 #[must_use]
 pub fn one_statement(number: usize, choices: &mut Choices<'_>) -> Option<String> {
-    let (_, templates) = ROWS.iter().find(|(name, _)| *name == "s")?;
-    let template = templates.get(number)?;
-    let mut text = HEAD.to_owned();
-    text.push_str("ROUTINE put_all(what : rec)\nBEGIN\nEND put_all\nBEGIN\n");
-    text.push_str(START);
-    fill(&mut text, template, choices, 3);
-    text.push_str("\ndone::\nEND fuzzed\nROUTINE bump\nBEGIN\n  i3 = i3 + 1\nEND bump\n");
-    Some(number_labels(&text))
+    let template = templates_of("s").get(number)?;
+    let mut body = String::new();
+    fill(&mut body, template, choices, 3);
+    Some(program_of(&body))
+}
+
+/// A program with these statements as its main body.
+pub(crate) fn program_of(body: &str) -> String {
+    let text = format!(
+        "{HEAD}ROUTINE put_all(what : rec)\nBEGIN\nEND put_all\nBEGIN\n{START}{body}\ndone::\nEND fuzzed\n\
+         ROUTINE bump\nBEGIN\n  i3 = i3 + 1\nEND bump\n"
+    );
+    number_labels(&text)
+}
+
+/// What may stand in a hole.
+///
+/// # Panics
+/// If the grammar has no such row.
+pub(crate) fn templates_of(hole: &str) -> &'static [&'static str] {
+    let row = ROWS.iter().find(|(name, _)| *name == hole);
+    let (_, templates) = row.unwrap_or_else(|| panic!("no row {hole}"));
+    templates
 }

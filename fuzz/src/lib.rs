@@ -5,6 +5,7 @@
 //! run every seed and every former finding (`fuzz/findings/TARGET/`) through its target without libFuzzer.
 
 pub mod choices;
+pub mod everywhere;
 pub mod grammar;
 pub mod seeds;
 pub mod targets;

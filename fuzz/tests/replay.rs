@@ -4,8 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use fuzz::choices::Choices;
-use fuzz::{TARGETS, grammar, targets};
-use karel_emulator::{Controller, ProgramSource};
+use fuzz::{TARGETS, everywhere, grammar, targets};
+use karel_emulator::{Controller, ControllerConfig, ProgramSource};
 
 /// Covers: K6, K7.
 #[test]
@@ -53,12 +53,25 @@ fn drawn_programs_are_correct() {
             .take(BYTES)
             .collect();
         let source = grammar::program(&mut Choices::new(&bytes));
-        let config = config
-            .clone()
-            .with_program(ProgramSource::new("fuzzed.kl", source));
-        if let Err(refused) = Controller::try_new(&config) {
-            panic!("{refused}");
-        }
+        loads(&config, source);
+    }
+}
+
+#[test]
+fn each_template_is_correct_wherever_it_may_stand() {
+    let config =
+        targets::core::config().with_program(ProgramSource::new("helper.kl", grammar::HELPER));
+    let programs = everywhere::programs();
+    assert!(programs.len() > 50, "{} programs", programs.len());
+    for source in programs {
+        loads(&config, source);
+    }
+}
+
+fn loads(config: &ControllerConfig, source: String) {
+    let program = ProgramSource::new("fuzzed.kl", source);
+    if let Err(refused) = Controller::try_new(&config.clone().with_program(program)) {
+        panic!("{refused}");
     }
 }
 

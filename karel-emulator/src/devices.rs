@@ -5,19 +5,14 @@
 //! device: `..`, drives, and letters that a file system could misread are refused.
 
 mod folder;
+mod name;
 
 use std::collections::BTreeMap;
 
 pub use folder::Folder;
 use karel::{FileId, FileOperation, Input, InputEnd, OpenMode, Status};
-
-/// Devices that hold files.
-///
-/// ASSUMPTION: all of them are there and empty at first, and all but `RD:` keep their files without power.
-const DEVICES: [&str; 7] = ["RD", "MC", "FR", "UD1", "UT1", "MD", "FRA"];
-
-/// The device of a name without one.
-const DEFAULT_DEVICE: &str = "MC";
+pub use name::FileName;
+use name::{DEFAULT_DEVICE, DEVICES};
 
 /// Bytes of all files, of one file, and of one pipe.
 const MAX_BYTES: usize = 2 << 20;
@@ -27,59 +22,6 @@ const MAX_PIPE: usize = 64 << 10;
 /// Files and pipes that may exist.
 const MAX_FILES: usize = 512;
 const MAX_PIPES: usize = 32;
-
-/// A file by its device and its name in capitals.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct FileName {
-    device: String,
-    name: String,
-}
-
-impl std::fmt::Display for FileName {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}:{}", self.device, self.name)
-    }
-}
-
-impl FileName {
-    /// Reads `MC:log.txt`, `RD:\\dir\\x.dt`, `PIP:queue`; `None` if the name is none or reaches out of its device.
-    #[must_use]
-    pub fn parse(text: &str) -> Option<Self> {
-        let text = text.trim().to_ascii_uppercase();
-        let (device, name) = text.split_once(':').unwrap_or((DEFAULT_DEVICE, &text));
-        let name = name.replace('\\', "/");
-        let name = name.strip_prefix('/').unwrap_or(&name);
-        let parts: Vec<&str> = name.split('/').collect();
-        let good = |part: &&str| {
-            let plain = |c: char| c.is_ascii_alphanumeric() || "_-.$~#@ ".contains(c);
-            !part.is_empty()
-                && part.len() <= 64
-                && !part.starts_with(['.', ' '])
-                && !part.ends_with(['.', ' '])
-                && part.chars().all(plain)
-        };
-        if parts.len() > 8 || !parts.iter().all(good) {
-            return None;
-        }
-        Some(Self {
-            device: device.trim().to_owned(),
-            name: name.to_owned(),
-        })
-    }
-
-    fn is_pipe(&self) -> bool {
-        self.device == "PIP"
-    }
-
-    fn checked(text: &str) -> Result<Self, Status> {
-        let name = Self::parse(text).ok_or(Status::FILE_ILLEGAL_PARAMETER)?;
-        if name.is_pipe() || DEVICES.contains(&name.device.as_str()) {
-            Ok(name)
-        } else {
-            Err(Status::FILE_NO_DEVICE)
-        }
-    }
-}
 
 /// A file that is open.
 #[derive(Debug)]

@@ -3,6 +3,7 @@
 //! A fault has a kind, a scope, and an end: a number of times, a duration in controller time, or whenever it is
 //! cleared. Everything random in it comes from the seed of the configuration, so a run with faults can be repeated.
 
+mod check;
 mod dice;
 mod error;
 mod wire;
@@ -10,7 +11,6 @@ mod wire;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use crate::effects::Tag;
 use crate::ledger::PoseMmDeg;
 
 pub use error::FaultError;
@@ -224,91 +224,6 @@ impl FaultBody {
         self.scope = scope;
         self
     }
-
-    /// Whether the fault can be injected at all.
-    pub(crate) fn check(&self) -> Result<(), FaultError> {
-        let within = |item: &'static str, value: u64, min: u64, max: u64| {
-            if (min..=max).contains(&value) {
-                Ok(())
-            } else {
-                Err(FaultError::Range {
-                    item,
-                    value: value.to_string(),
-                    min,
-                    max,
-                })
-            }
-        };
-        if let Some(times) = self.times {
-            within("times", times.into(), 1, MAX_TIMES.into())?;
-        }
-        if let Some(ms) = self.for_ms {
-            within("for_ms", ms, 1, MAX_MS)?;
-        }
-        check_tag("scope.tag", self.scope.tag.as_deref())?;
-        let wire = self.fault.is_wire();
-        if !wire && (self.times.is_some() || self.scope != Scope::default()) {
-            return Err(FaultError::NotForDevices {
-                fault: self.fault.name(),
-            });
-        }
-        if self.fault.is_momentary() && (self.times.is_some() || self.for_ms.is_some()) {
-            return Err(FaultError::NoEnd {
-                fault: self.fault.name(),
-            });
-        }
-        if self.fault == FaultKind::Stall && self.times.is_some() {
-            return Err(FaultError::NoTimes);
-        }
-        let bytes = |value: usize| u64::try_from(value).unwrap_or(u64::MAX);
-        match &self.fault {
-            FaultKind::Delay { ms, jitter_ms } => {
-                within("delay.ms", *ms, 0, MAX_MS)?;
-                within("delay.jitter_ms", *jitter_ms, 0, MAX_MS)
-            }
-            FaultKind::Split { bytes: n, gap_ms } => {
-                within("split.bytes", bytes(*n), 1, bytes(MAX_BYTES))?;
-                within("split.gap_ms", *gap_ms, 0, MAX_MS)
-            }
-            FaultKind::Truncate { keep } => {
-                within("truncate.keep", bytes(*keep), 0, bytes(MAX_BYTES))
-            }
-            FaultKind::Corrupt { bytes: n } => {
-                within("corrupt.bytes", bytes(*n), 1, bytes(MAX_BYTES))
-            }
-            FaultKind::WedgeTag { tag } => check_tag("wedge_tag.tag", Some(tag)),
-            FaultKind::PowerLoss { off_ms, .. } => within("power_loss.off_ms", *off_ms, 0, MAX_MS),
-            FaultKind::SlowOverride { percent } => {
-                if (1..=100).contains(percent) {
-                    return Ok(());
-                }
-                Err(FaultError::Range {
-                    item: "slow_override.percent",
-                    value: percent.to_string(),
-                    min: 1,
-                    max: 100,
-                })
-            }
-            FaultKind::Drop
-            | FaultKind::Stall
-            | FaultKind::HalfOpen
-            | FaultKind::Reset
-            | FaultKind::Freeze
-            | FaultKind::ServoOff
-            | FaultKind::WrongToolFrame { .. }
-            | FaultKind::OptionMissing { .. } => Ok(()),
-        }
-    }
-}
-
-fn check_tag(item: &'static str, tag: Option<&str>) -> Result<(), FaultError> {
-    match tag {
-        Some(name) if Tag::parse(name).is_none() => Err(FaultError::Tag {
-            item,
-            value: name.chars().take(32).collect(),
-        }),
-        Some(_) | None => Ok(()),
-    }
 }
 
 impl FaultKind {
@@ -373,80 +288,4 @@ pub struct FaultView {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::dice::Dice;
-    use super::*;
-
-    #[test]
-    fn a_fault_reads_as_the_documents_write_it() {
-        let body: FaultBody = serde_json::from_str(
-            r#"{"fault": {"delay": {"ms": 200}}, "scope": {"port": 59002, "direction": "in"}, "times": 3}"#,
-        )
-        .unwrap();
-        assert_eq!(
-            body.fault,
-            FaultKind::Delay {
-                ms: 200,
-                jitter_ms: 0
-            }
-        );
-        assert_eq!(body.scope.direction, Direction::In);
-        assert_eq!(body.check(), Ok(()));
-        let body: FaultBody = serde_json::from_str(r#"{"fault": "freeze"}"#).unwrap();
-        assert_eq!(body.fault.name(), "freeze");
-        for wrong in [
-            r#"{"fault": "explode"}"#,
-            r#"{"fault": {"delay": {"ms": 1, "s": 2}}}"#,
-            r#"{"fault": "drop", "scope": {"prt": 1}}"#,
-            r#"{"fault": "drop", "count": 1}"#,
-        ] {
-            assert!(serde_json::from_str::<FaultBody>(wrong).is_err(), "{wrong}");
-        }
-    }
-
-    #[test]
-    fn what_cannot_be_is_refused_with_item_value_and_limit() {
-        let bodies = [
-            (
-                FaultBody::new(FaultKind::Drop).times(0),
-                "times is 0, it must be 1 to 1000000",
-            ),
-            (FaultBody::new(FaultKind::Stall).for_ms(0), "for_ms is 0"),
-            (
-                FaultBody::new(FaultKind::Split {
-                    bytes: 0,
-                    gap_ms: 1,
-                }),
-                "split.bytes is 0, it must be 1 to 65536",
-            ),
-            (
-                FaultBody::new(FaultKind::SlowOverride { percent: -3 }),
-                "slow_override.percent is -3, it must be 1 to 100",
-            ),
-            (
-                FaultBody::new(FaultKind::WedgeTag { tag: "S9".into() }),
-                "S9",
-            ),
-            (
-                FaultBody::new(FaultKind::Freeze).times(2),
-                "neither scope nor times",
-            ),
-            (FaultBody::new(FaultKind::Reset).for_ms(5), "ends by itself"),
-        ];
-        for (body, words) in bodies {
-            let text = body.check().unwrap_err().to_string();
-            assert!(text.contains(words), "{text}");
-        }
-    }
-
-    #[test]
-    fn the_same_seed_gives_the_same_numbers_within_the_limit() {
-        let draw = |seed| {
-            let mut dice = Dice::new(seed);
-            (0..50).map(|_| dice.up_to(9)).collect::<Vec<_>>()
-        };
-        assert_eq!(draw(7), draw(7));
-        assert_ne!(draw(7), draw(8));
-        assert!(draw(7).iter().all(|n| *n <= 9));
-    }
-}
+mod tests;

@@ -5,6 +5,7 @@
 
 mod arm;
 mod arm_notes;
+mod connections;
 mod explain;
 pub(crate) mod gripping;
 mod host;

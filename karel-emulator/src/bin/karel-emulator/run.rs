@@ -1,11 +1,11 @@
 //! `karel-emulator run`: a controller until it is interrupted.
 
 use std::io::IsTerminal;
-use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::net::{IpAddr, Ipv4Addr};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::{Context, anyhow, bail};
+use anyhow::{Context, anyhow};
 use karel::{ByteOrder, Program};
 use karel_emulator::config::{
     ControllerConfig, Exposure, InterpolationPeriod, ProgramSource, SecondClient,
@@ -13,15 +13,20 @@ use karel_emulator::config::{
 use karel_emulator::devices;
 use karel_emulator::{
     Clock, ControlAccess, ControllerOption, FaultBody, Fidelity, PeerLabels, ProgramSelection,
-    RemoteStart, VirtualController, from_json,
+    RemoteStart, VirtualController,
 };
-use kinematics::{ArmModel, PendantJoints};
+use kinematics::ArmModel;
 use tokio::signal::unix::{SignalKind, signal};
 
+mod arguments;
 mod idle;
 mod words;
 
 use crate::includes::Folder;
+use arguments::{
+    Presets, parse_clock, parse_fault, parse_host, parse_joints, parse_panel, parse_period,
+    parse_port_map, parse_presets,
+};
 pub(crate) use words::GenerationWord;
 use words::{FidelityWord, MissingOption, Second, SelectionWord};
 
@@ -271,145 +276,4 @@ async fn serve(config: &ControllerConfig, clock: Clock) -> anyhow::Result<()> {
     };
     controller.shutdown().await;
     ended
-}
-
-fn parse_clock(text: &str) -> anyhow::Result<Clock> {
-    if text.eq_ignore_ascii_case("max") {
-        return Ok(Clock::unhurried());
-    }
-    let scale = text.parse().ok().and_then(Clock::scaled);
-    scale.ok_or_else(|| {
-        anyhow!("the time scale is {text}, it must be above 0 and at most 1000, or max")
-    })
-}
-
-/// What one `--set` sets.
-#[derive(Clone, Debug, PartialEq)]
-struct Presets(Vec<(String, String)>);
-
-fn parse_presets(text: &str) -> Result<Presets, String> {
-    let Some(path) = text.strip_prefix('@') else {
-        return parse_preset(text).map(|preset| Presets(vec![preset]));
-    };
-    let lines =
-        std::fs::read_to_string(path).map_err(|error| format!("reading {path}: {error}"))?;
-    let mut presets = Vec::new();
-    for (number, line) in (1..).zip(lines.lines()) {
-        let line = line.trim();
-        if !line.is_empty() && !line.starts_with("--") {
-            let preset = parse_preset(line).map_err(|error| format!("{path}:{number}: {error}"))?;
-            presets.push(preset);
-        }
-    }
-    Ok(Presets(presets))
-}
-
-fn parse_preset(text: &str) -> Result<(String, String), String> {
-    let (item, value) = text
-        .split_once('=')
-        .ok_or_else(|| format!("{text:?} is not ITEM=VALUE, such as R[1]=5"))?;
-    Ok((item.trim().to_owned(), value.trim().to_owned()))
-}
-
-fn parse_fault(text: &str) -> Result<FaultBody, String> {
-    from_json(text.as_bytes(), "the fault").map_err(|error| error.to_string())
-}
-
-fn parse_port_map(text: &str) -> Result<(u16, u16), String> {
-    let (program, host) = text
-        .split_once('=')
-        .ok_or_else(|| format!("{text:?} is not PORT=HOST, such as 59002=0"))?;
-    let number = |part: &str| {
-        part.trim()
-            .parse::<u16>()
-            .map_err(|_| format!("{part:?} is not a port, 0 to 65535"))
-    };
-    match (number(program)?, number(host)?) {
-        (0, _) => Err("a program cannot listen on port 0".to_owned()),
-        pair => Ok(pair),
-    }
-}
-
-fn parse_period(text: &str) -> Result<InterpolationPeriod, String> {
-    let period = text.parse().ok().and_then(InterpolationPeriod::from_millis);
-    period.ok_or_else(|| format!("{text:?} is not a whole number of milliseconds, 1 to 64"))
-}
-
-fn parse_host(text: &str) -> Result<(String, IpAddr), String> {
-    let (name, address) = text.split_once('=').unwrap_or((text, text));
-    let address = address.trim().parse();
-    let address = address.map_err(|_| format!("{text:?} is not ADDRESS or NAME=ADDRESS"))?;
-    Ok((name.trim().to_owned(), address))
-}
-
-fn parse_panel(text: &str) -> anyhow::Result<Option<SocketAddr>> {
-    if text.eq_ignore_ascii_case("off") {
-        return Ok(None);
-    }
-    let address = text
-        .parse()
-        .with_context(|| format!("reading the panel's address {text:?}, such as 127.0.0.1:8081"))?;
-    Ok(Some(address))
-}
-
-fn parse_joints(text: &str) -> anyhow::Result<PendantJoints> {
-    let values: Vec<f64> = text
-        .split(',')
-        .map(|part| {
-            part.trim()
-                .parse()
-                .with_context(|| format!("{part:?} is not an angle"))
-        })
-        .collect::<Result<_, _>>()?;
-    let Ok(joints) = <[f64; 6]>::try_from(values) else {
-        bail!("{text:?} are not six joints in degrees, separated by commas");
-    };
-    PendantJoints::try_from_degrees(joints).context("reading the home joints")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn time_scales_are_numbers_up_to_a_thousand_or_max() {
-        for good in ["1", "0.5", "1000", "max"] {
-            assert!(parse_clock(good).is_ok(), "{good}");
-        }
-        for wrong in ["0", "-1", "1001", "nan", "fast", ""] {
-            assert!(parse_clock(wrong).is_err(), "{wrong}");
-        }
-    }
-
-    #[test]
-    fn port_maps_are_two_ports() {
-        assert_eq!(parse_port_map("59002=0"), Ok((59002, 0)));
-        assert_eq!(parse_port_map("1=2"), Ok((1, 2)));
-        for wrong in ["59002", "0=1", "a=1", "1=b", "70000=1", "="] {
-            assert!(parse_port_map(wrong).is_err(), "{wrong}");
-        }
-    }
-
-    #[test]
-    fn an_interpolation_period_is_1_to_64_ms() {
-        assert_eq!(parse_period("4").unwrap().millis().to_string(), "4");
-        for wrong in ["0", "65", "-8", "8.5", "ms", ""] {
-            assert!(parse_period(wrong).is_err(), "{wrong}");
-        }
-    }
-
-    #[test]
-    fn joints_are_six_finite_angles() {
-        assert!(parse_joints("0,0,0,0,-90,0").is_ok());
-        for wrong in ["0,0", "0,0,0,0,0,x", "0,0,0,0,0,nan", ""] {
-            assert!(parse_joints(wrong).is_err(), "{wrong}");
-        }
-    }
-
-    #[test]
-    fn a_panel_is_an_address_or_off() {
-        assert_eq!(parse_panel("OFF").unwrap(), None);
-        assert!(parse_panel("127.0.0.1:0").unwrap().is_some());
-        assert!(parse_panel("nowhere").is_err());
-    }
 }
