@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use karel_emulator::CmosMemory;
 use karel_emulator::gripper::GripperPosition;
+use mobile_emulator::Phase;
 use serde_json::json;
 
 use crate::chance::kills;
@@ -77,7 +78,7 @@ async fn f21_p13_crashes_at_random_moments_and_during_the_recovery_do_nothing_tw
     .await;
 }
 
-/// Pulls the plug the moment something of the world is so.
+/// Pulls the plug the moment something of the world is so. Each of these lasts less than a busy machine may take to look, so what comes after it counts, too.
 async fn when(cell: &mut TestCell, what: &str, is_so: impl AsyncFn(&TestCell) -> bool) {
     cell.wait(what, A_JOB, async |cell| is_so(cell).await.then_some(()))
         .await;
@@ -95,7 +96,8 @@ async fn f21_a_crash_while_the_world_is_in_motion_is_survived() {
     })
     .await;
     when(&mut cell, "the mobile robot docks", async |cell| {
-        cell.mobile_robot().state().await.unwrap().phase == Some(mobile_emulator::Phase::Docking)
+        let phase = cell.mobile_robot().state().await.unwrap().phase;
+        matches!(phase, Some(Phase::Docking | Phase::Docked | Phase::Ready))
     })
     .await;
     when(&mut cell, "the arm moves", async |cell| {
@@ -104,7 +106,7 @@ async fn f21_a_crash_while_the_world_is_in_motion_is_survived() {
     .await;
     when(&mut cell, "the gripper closes", async |cell| {
         let gripper = cell.controller().state().await.unwrap().gripper.unwrap();
-        gripper.position == GripperPosition::Closing
+        gripper.position != GripperPosition::Open
     })
     .await;
     when(&mut cell, "the arm moves with the load", async |cell| {
@@ -114,7 +116,7 @@ async fn f21_a_crash_while_the_world_is_in_motion_is_survived() {
     .await;
     when(&mut cell, "the gripper opens", async |cell| {
         let gripper = cell.controller().state().await.unwrap().gripper.unwrap();
-        gripper.position == GripperPosition::Opening
+        gripper.position != GripperPosition::Closed
     })
     .await;
     let (ended, said) = cell.see_through(&job).await;

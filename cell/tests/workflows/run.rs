@@ -301,12 +301,20 @@ impl Run {
 
     /// Waits for a question about a fault.
     pub(crate) async fn asked(&self, fault: &str) -> Question {
-        let what = format!("a question about {fault}");
+        self.asked_with(fault, "").await
+    }
+
+    /// Waits for a question about a fault in these words: one that was asked earlier may be put in others.
+    pub(crate) async fn asked_with(&self, fault: &str, words: &str) -> Question {
+        let what = format!("a question about {fault} with the words {words:?}");
         self.cell
             .wait(&what, A_JOB, async |cell| {
                 let open = cell.get("/interventions").await;
                 let asked = open["interventions"].as_array()?;
-                let of = |one: &&Value| one["fault"]["code"] == fault && one["job"] == *self.job;
+                let of = |one: &&Value| {
+                    let text = one["question"].as_str().unwrap_or_default();
+                    one["fault"]["code"] == fault && one["job"] == *self.job && text.contains(words)
+                };
                 asked.iter().find(of).cloned().map(Question)
             })
             .await

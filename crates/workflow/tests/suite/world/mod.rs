@@ -5,7 +5,8 @@
 #![allow(
     unreachable_pub,
     missing_debug_implementations,
-    reason = "shared by test files only"
+    unused_imports,
+    reason = "shared by test files only, each of which uses a part of it"
 )]
 
 mod arms;
