@@ -74,7 +74,12 @@ fn a_macro_that_nothing_explains_ends_the_task_and_words_with_a_slip_are_an_erro
     );
     let slip = error(&["CALLL HOME"]);
     assert!(slip.contains("is CALL meant?"), "{slip}");
-    for strange in ["VISION RUN_FIND", "R1=5", "Light[3]"] {
+    let found = warnings(&["VISION RUN_FIND"], "");
+    assert!(
+        found[0].starts_with("VISION RUN_FIND needs iRVision"),
+        "{found:?}"
+    );
+    for strange in ["R1=5", "Light[3]"] {
         assert!(error(&[strange]).contains("error"), "{strange}");
     }
 }

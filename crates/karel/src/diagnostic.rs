@@ -64,7 +64,7 @@ pub fn render(diagnostics: &[Diagnostic]) -> String {
     texts.join("\n\n")
 }
 
-/// More errors than this help nobody, nor do more warnings.
+/// More messages than this help nobody.
 const MAX_REPORTS: usize = 50;
 
 /// Longest part of a source line that is shown.
@@ -83,7 +83,6 @@ struct Report {
 pub(crate) struct Reports {
     list: Vec<Report>,
     errors: usize,
-    warnings: usize,
 }
 
 impl Reports {
@@ -116,15 +115,19 @@ impl Reports {
             .list
             .last()
             .is_some_and(|last| last.span == span && last.message == message);
-        // Neither kind takes room from the other: an error behind many warnings is still one.
-        let count = match severity {
-            Severity::Error => &mut self.errors,
-            Severity::Warning => &mut self.warnings,
-        };
-        if repeated || *count >= MAX_REPORTS {
+        if repeated {
             return;
         }
-        *count += 1;
+        if self.list.len() >= MAX_REPORTS {
+            // An error behind many warnings is still one: it takes the place of one of them.
+            let is_warning = |report: &Report| report.severity == Severity::Warning;
+            let place = self.list.iter().rposition(is_warning);
+            let (Severity::Error, Some(place)) = (severity, place) else {
+                return;
+            };
+            let _warning = self.list.remove(place);
+        }
+        self.errors += usize::from(severity == Severity::Error);
         self.list.push(Report {
             severity,
             span,
