@@ -7,5 +7,6 @@
 pub mod arms;
 pub mod compare;
 pub mod control;
+pub mod cpu;
 pub mod processes;
 pub mod targets;
