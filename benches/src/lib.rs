@@ -7,6 +7,7 @@
 pub mod arms;
 pub mod compare;
 pub mod control;
+pub mod cpu;
 pub mod dynamics;
 pub mod pinocchio;
 pub mod processes;

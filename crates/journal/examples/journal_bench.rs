@@ -203,7 +203,7 @@ fn intent(journal: &SqliteJournal, n: u64, claim: Option<Claim>) -> Intent {
 
 fn claim(n: u64) -> Result<Claim, KeyError> {
     Ok(Claim {
-        key: IdempotencyKey::try_new(Uuid::from_u128(n.into()))?,
+        key: IdempotencyKey::try_new(Uuid::from_u128(n.into()).to_string())?,
         body: Digest::of(&n.to_le_bytes()),
     })
 }

@@ -7,12 +7,17 @@
 //! Whoever changes a record must change every later one, and the head that someone else has kept. The chain shows
 //! changes and losses; it does not show who wrote it. A signature over a head does, and is not made here.
 
+use std::sync::LazyLock;
+
+use blake3::hazmat::{ContextKey, HasherExt as _, hash_derive_key_context};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::{DecodeError, Digest, Position, Stored};
 
 const CONTEXT: &str = "robocell journal v1";
+/// What the context comes to; the same for every record.
+static CONTEXT_KEY: LazyLock<ContextKey> = LazyLock::new(|| hash_derive_key_context(CONTEXT));
 
 /// The last record of a journal, or of a part of it.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq, Serialize, Deserialize)]
@@ -232,7 +237,7 @@ impl Walker {
 }
 
 fn hash(previous: &Digest, position: Position, body: &[u8]) -> Digest {
-    let mut hasher = blake3::Hasher::new_derive_key(CONTEXT);
+    let mut hasher = blake3::Hasher::new_from_context_key(&CONTEXT_KEY);
     let _ = hasher
         .update(previous.as_bytes())
         .update(&position.0.to_le_bytes())

@@ -18,6 +18,9 @@ pub const VERSION: u32 = 1;
 /// Bytes of the longest record. A request's body has at most 64 KiB; a record keeps a part of it.
 pub const MAX_BODY: usize = 64 * 1024;
 
+/// Bytes that hold nearly every record: memory is asked for once.
+const COMMON_BODY: usize = 1024;
+
 /// A record with its place, epoch and time.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Stored {
@@ -63,6 +66,30 @@ struct EnvelopeOut<'a> {
     record: &'a Record,
 }
 
+/// As [`Stored::encode`], of a record that is another's.
+pub(crate) fn encode(
+    position: Position,
+    epoch: Epoch,
+    at: Clocks,
+    record: &Record,
+) -> Result<String, TooLarge> {
+    let envelope = EnvelopeOut {
+        v: VERSION,
+        position,
+        epoch,
+        wall: at.wall,
+        monotonic_ns: u64::try_from(at.monotonic.as_nanos()).unwrap_or(u64::MAX),
+        record,
+    };
+    let mut body = Vec::with_capacity(COMMON_BODY);
+    serde_json::to_writer(&mut body, &envelope)
+        .expect("records have string keys and no floating point");
+    if body.len() > MAX_BODY {
+        return Err(TooLarge { size: body.len() });
+    }
+    Ok(String::from_utf8(body).expect("JSON is UTF-8"))
+}
+
 #[derive(Deserialize)]
 struct EnvelopeIn {
     v: u32,
@@ -87,20 +114,7 @@ impl Stored {
     /// # Panics
     /// Never: every record is JSON.
     pub fn encode(&self) -> Result<String, TooLarge> {
-        let envelope = EnvelopeOut {
-            v: VERSION,
-            position: self.position,
-            epoch: self.epoch,
-            wall: self.at.wall,
-            monotonic_ns: u64::try_from(self.at.monotonic.as_nanos()).unwrap_or(u64::MAX),
-            record: &self.record,
-        };
-        let body = serde_json::to_string(&envelope)
-            .expect("records have string keys and no floating point");
-        if body.len() > MAX_BODY {
-            return Err(TooLarge { size: body.len() });
-        }
-        Ok(body)
+        encode(self.position, self.epoch, self.at, &self.record)
     }
 
     /// The record in these bytes.

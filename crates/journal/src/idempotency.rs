@@ -1,18 +1,20 @@
 //! Keys under which a caller may ask for the same thing twice and get it once.
 
+use std::sync::Arc;
 use std::time::Duration;
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 use thiserror::Error;
 
 use crate::Digest;
 
 /// The caller's name for one request: 1 to 255 visible ASCII characters.
 ///
-/// Whoever sees several callers puts the caller's name before the key, so that no one answers for another.
-#[derive(Clone, Debug, Eq, Hash, Ord, PartialEq, PartialOrd, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
-pub struct IdempotencyKey(String);
+/// Whoever sees several callers puts the caller's name before the key, so that no one answers for another. Cheap to
+/// clone: a journal has each in several orders.
+#[derive(Clone, Debug, Eq, Hash, Ord, PartialEq, PartialOrd, Deserialize)]
+#[serde(try_from = "String")]
+pub struct IdempotencyKey(Arc<str>);
 
 /// The text is not a key.
 #[derive(Clone, Debug, Eq, Error, PartialEq)]
@@ -62,7 +64,7 @@ impl IdempotencyKey {
     ///
     /// # Errors
     /// [`KeyError`] if it is empty, too long, or not visible ASCII.
-    pub fn try_new(text: impl Into<String>) -> Result<Self, KeyError> {
+    pub fn try_new(text: impl Into<Arc<str>>) -> Result<Self, KeyError> {
         let text = text.into();
         if text.is_empty() || text.len() > Self::MAX {
             return Err(KeyError::Length { length: text.len() });
@@ -88,9 +90,9 @@ impl TryFrom<String> for IdempotencyKey {
     }
 }
 
-impl From<IdempotencyKey> for String {
-    fn from(key: IdempotencyKey) -> Self {
-        key.0
+impl Serialize for IdempotencyKey {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(&self.0)
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! The in-memory journal lives on it, and checking a journal on disk builds it again and compares.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 use serde::{Deserialize, Serialize};
 
@@ -19,7 +19,8 @@ pub(crate) struct Index {
     pub(crate) keys: KeyRetention,
     pub(crate) motions: BTreeMap<MotionId, MotionEntry>,
     pub(crate) jobs: BTreeMap<JobId, JobEntry>,
-    pub(crate) claims: BTreeMap<IdempotencyKey, KeyEntry>,
+    /// In no order: keys begin alike, so finding a place by comparing them would cost more than everything else here.
+    pub(crate) claims: HashMap<IdempotencyKey, KeyEntry>,
     /// Where the decisions of cells stand.
     pub(crate) decided: BTreeMap<Position, String>,
     /// The newest snapshot of each cell, by where it is told of.
@@ -176,13 +177,6 @@ impl Index {
             self.start(started);
             return Ok(Change::default());
         }
-        if let Record::SnapshotTaken(taken) = &stored.record {
-            let entry = (stored.position, taken.clone());
-            let _before = self.snapshots.insert(taken.cell.clone(), entry);
-        }
-        if let Record::Pruned(pruned) = &stored.record {
-            self.pruned = Base::of(pruned);
-        }
         let change = match self.judge(&stored.record, stored.at, stored.position) {
             Ok(Verdict::Keep(change)) => change,
             judged => {
@@ -195,8 +189,20 @@ impl Index {
                 self.judged_without_its_key(stored).ok_or(refusal)?
             }
         };
-        self.apply(change.clone(), &stored.at);
+        self.keep(stored, change.clone());
         Ok(change)
+    }
+
+    /// Takes up a record that was judged, and is none of a start.
+    pub(crate) fn keep(&mut self, stored: &Stored, change: Change) {
+        if let Record::SnapshotTaken(taken) = &stored.record {
+            let entry = (stored.position, taken.clone());
+            let _before = self.snapshots.insert(taken.cell.clone(), entry);
+        }
+        if let Record::Pruned(pruned) = &stored.record {
+            self.pruned = Base::of(pruned);
+        }
+        self.apply(change, &stored.at);
     }
 
     /// Behind removed records a key may have been forgotten earlier than the rest alone explains, because those

@@ -15,7 +15,7 @@ use super::connector::{Connector, ControllerAddress};
 
 type Label = dyn Fn(SocketAddr, &str) + Send + Sync;
 
-/// Connects over TCP, with `TCP_NODELAY`.
+/// Connects over TCP.
 #[derive(Clone, Default)]
 pub struct TcpConnector {
     label: Option<Arc<Label>>,
@@ -76,8 +76,18 @@ impl fmt::Debug for TcpConnector {
 #[derive(Debug)]
 pub struct TcpConnection {
     stream: TcpStream,
-    /// Nothing was written yet: the kernel has room for it, and need not be asked first.
-    fresh: bool,
+    written: Written,
+}
+
+/// How often this end has written.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+enum Written {
+    /// Never: the kernel has room for it, and need not be asked first.
+    Nothing,
+    /// The one command, which left at once: nothing before it waits for an acknowledgment.
+    Once,
+    /// More than that, with `TCP_NODELAY`.
+    More,
 }
 
 impl TcpConnection {
@@ -90,11 +100,7 @@ impl TcpConnection {
     }
 
     async fn open(address: SocketAddr) -> io::Result<Self> {
-        let domain = Domain::for_address(address);
-        let socket = Socket::new(domain, Type::STREAM, Some(Protocol::TCP))?;
-        socket.set_nonblocking(true)?;
-        // Without it a command that is written in two parts would wait for an acknowledgment in between.
-        socket.set_tcp_nodelay(true)?;
+        let socket = socket(Domain::for_address(address))?;
         // In progress is an error here, too; which one it was matters only if there is no connection in the end.
         let begun = socket.connect(&address.into());
         let stream = TcpStream::from_std(socket.into())?;
@@ -109,9 +115,23 @@ impl TcpConnection {
         }
         Ok(Self {
             stream,
-            fresh: true,
+            written: Written::Nothing,
         })
     }
+}
+
+/// A socket that keeps nobody waiting. Linux makes it so in one call.
+#[cfg(target_os = "linux")]
+fn socket(domain: Domain) -> io::Result<Socket> {
+    Socket::new(domain, Type::STREAM.nonblocking(), Some(Protocol::TCP))
+}
+
+/// A socket that keeps nobody waiting.
+#[cfg(not(target_os = "linux"))]
+fn socket(domain: Domain) -> io::Result<Socket> {
+    let socket = Socket::new(domain, Type::STREAM, Some(Protocol::TCP))?;
+    socket.set_nonblocking(true)?;
+    Ok(socket)
 }
 
 impl AsyncRead for TcpConnection {
@@ -130,11 +150,20 @@ impl AsyncWrite for TcpConnection {
         context: &mut Context<'_>,
         bytes: &[u8],
     ) -> Poll<io::Result<usize>> {
-        if std::mem::take(&mut self.fresh) {
-            match SockRef::from(&self.stream).send(bytes) {
-                Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
-                sent => return Poll::Ready(sent),
+        match self.written {
+            Written::Nothing => {
+                self.written = Written::Once;
+                match SockRef::from(&self.stream).send(bytes) {
+                    Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
+                    sent => return Poll::Ready(sent),
+                }
             }
+            Written::Once => {
+                self.written = Written::More;
+                // From here on bytes would wait for the acknowledgment of those before. They get there either way.
+                let _refused = self.stream.set_nodelay(true);
+            }
+            Written::More => {}
         }
         Pin::new(&mut self.stream).poll_write(context, bytes)
     }
@@ -179,6 +208,17 @@ mod tests {
         let ((), all) = tokio::join!(sent, received);
         assert_eq!(all.len(), 5 + long.len());
         assert!(all.starts_with(b"first"));
+    }
+
+    /// What is written in two parts does not wait for an acknowledgment in between.
+    #[tokio::test]
+    async fn from_the_second_write_on_nothing_is_held_back() {
+        let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+        let mut connection = connect(listener.local_addr().unwrap()).await.unwrap();
+        connection.write_all(b"one").await.unwrap();
+        assert!(!connection.stream.nodelay().unwrap());
+        connection.write_all(b"two").await.unwrap();
+        assert!(connection.stream.nodelay().unwrap());
     }
 
     #[tokio::test]

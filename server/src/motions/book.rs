@@ -239,15 +239,36 @@ impl Book {
 
 impl Kept {
     fn position(&self, id: Uuid) -> Option<usize> {
-        // The motion asked for is the newest one in nearly every call.
-        match self.slots.back() {
-            Some(newest) if newest.record.id == id => Some(self.slots.len() - 1),
-            _ => self.place_of(id).ok(),
-        }
+        self.place_of(id).ok()
     }
 
+    /// Where a motion is, or would be. Nearly every call is about one of the newest, so the search begins there and
+    /// goes back in steps that double: the slots of a thousand motions are not all in the cache.
     fn place_of(&self, id: Uuid) -> Result<usize, usize> {
-        self.slots.binary_search_by(|slot| slot.record.id.cmp(&id))
+        let older = |index: usize| {
+            self.slots
+                .get(index)
+                .is_some_and(|slot| slot.record.id < id)
+        };
+        let (mut end, mut step) = (self.slots.len(), 1);
+        let mut begin = end.saturating_sub(step);
+        while begin > 0 && !older(begin) {
+            end = begin + 1;
+            step *= 2;
+            begin = begin.saturating_sub(step);
+        }
+        while begin < end {
+            let middle = begin.midpoint(end);
+            if older(middle) {
+                begin = middle + 1;
+            } else {
+                end = middle;
+            }
+        }
+        match self.slots.get(begin) {
+            Some(slot) if slot.record.id == id => Ok(begin),
+            Some(_) | None => Err(begin),
+        }
     }
 
     fn wake_up(&self, id: Uuid) -> Option<Arc<Notify>> {
@@ -416,6 +437,25 @@ mod tests {
         let (all, more) = book.page(None, CAPACITY + 1);
         assert_eq!((all.len(), more), (CAPACITY, false));
         assert_eq!(all[0].id, newest);
+    }
+
+    #[test]
+    fn every_motion_has_its_place_and_so_has_one_that_is_not_there() {
+        let mut kept = Book::default().kept.into_inner().unwrap();
+        let at = |n: u128| Uuid::from_u128(2 * n);
+        for count in 0..70 {
+            for n in 0..count {
+                assert_eq!(kept.place_of(at(n)), Ok(usize::try_from(n).unwrap()));
+                let between = Uuid::from_u128(2 * n + 1);
+                assert_eq!(kept.place_of(between), Err(usize::try_from(n).unwrap() + 1));
+            }
+            let behind = usize::try_from(count).unwrap();
+            assert_eq!(kept.place_of(at(count)), Err(behind));
+            let book = Book::default();
+            let mut record = book.get(enter(&book, 1)).unwrap();
+            record.id = at(count);
+            kept.insert(record);
+        }
     }
 
     #[test]

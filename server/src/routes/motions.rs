@@ -35,6 +35,8 @@ use crate::target::Prepared;
 
 /// What an answer may take longer than the motion's deadline: the link tells a little after it.
 const LATE: Duration = Duration::from_secs(5);
+/// Bytes that hold nearly every motion: memory is asked for once.
+const COMMON_BODY: usize = 1024;
 const PREFERENCE_APPLIED: HeaderName = HeaderName::from_static("preference-applied");
 
 /// Moves the robot.
@@ -414,7 +416,15 @@ pub(super) struct MotionAnswer {
 
 impl IntoResponse for MotionAnswer {
     fn into_response(self) -> Response {
-        let mut response = (self.status, Json(self.body)).into_response();
+        let mut body = Vec::with_capacity(COMMON_BODY);
+        let mut response = match serde_json::to_writer(&mut body, &self.body) {
+            Ok(()) => {
+                let json = HeaderValue::from_static("application/json");
+                (self.status, [(header::CONTENT_TYPE, json)], body).into_response()
+            }
+            // It says why, as for every other body.
+            Err(_) => Json(self.body).into_response(),
+        };
         let headers = response.headers_mut();
         // Ids of cells and robots are visible ASCII.
         for (name, text) in [

@@ -4,6 +4,8 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Result, ensure};
 use api::ControlToken;
+use benches::cpu;
+use benches::processes::Part;
 use tokio::task::JoinSet;
 
 use crate::{http, raw};
@@ -17,6 +19,8 @@ pub(crate) struct Sample {
     pub(crate) p50: Duration,
     /// 99th percentile.
     pub(crate) p99: Duration,
+    /// What an exchange costs the process in the middle, in microseconds of a core; not a number where there is none.
+    pub(crate) cpu_us: f64,
 }
 
 /// Raw TCP: connection `i` talks to robot `i mod robots`.
@@ -52,9 +56,9 @@ pub(crate) struct Request {
     pub(crate) status: u16,
 }
 
-/// HTTP: one connection for each path.
+/// HTTP to `server`: one connection for each path.
 pub(crate) async fn over_http(
-    port: u16,
+    server: &Part,
     paths: Vec<String>,
     request: Request,
     slice: Duration,
@@ -67,8 +71,9 @@ pub(crate) async fn over_http(
     let mut workers = JoinSet::new();
     let mut opened = Vec::new();
     for path in &paths {
-        opened.push(http::Connection::open(port, path, body, control).await?);
+        opened.push(http::Connection::open(server.port, path, body, control).await?);
     }
+    let before = cpu::time(server.id()?)?;
     let end = Instant::now() + slice;
     for mut connection in opened {
         let _handle = workers.spawn(async move {
@@ -85,7 +90,13 @@ pub(crate) async fn over_http(
             anyhow::Ok(durations)
         });
     }
-    collect(workers, slice).await
+    let sample = collect(workers, slice).await?;
+    let cost = cpu::time(server.id()?)?.saturating_sub(before);
+    let exchanges = sample.per_second * slice.as_secs_f64();
+    Ok(Sample {
+        cpu_us: cost.as_secs_f64() * 1e6 / exchanges,
+        ..sample
+    })
 }
 
 async fn collect(mut workers: JoinSet<Result<Vec<Duration>>>, slice: Duration) -> Result<Sample> {
@@ -110,5 +121,6 @@ async fn collect(mut workers: JoinSet<Result<Vec<Duration>>>, slice: Duration) -
         per_second,
         p50: at(0.5),
         p99: at(0.99),
+        cpu_us: f64::NAN,
     })
 }

@@ -32,6 +32,9 @@ struct Cli {
     /// Connections that send at the same time.
     #[arg(long, value_delimiter = ',', default_value = "1,8,64")]
     connections: Vec<usize>,
+    /// Measures these alone, e.g. under a profiler.
+    #[arg(long, value_delimiter = ',')]
+    only: Vec<report::Variant>,
 }
 
 /// The parts that run as processes of their own.
@@ -70,8 +73,12 @@ fn main() -> Result<()> {
             Some(Role::Bare) => bare::run().await,
             Some(Role::Minimal { first_port }) => minimal::run(first_port).await,
             None => {
-                let slice = Duration::from_secs_f64(cli.seconds);
-                report::compare(&cli.connections, cli.repeats, slice).await
+                let plan = report::Plan {
+                    repeats: cli.repeats,
+                    slice: Duration::from_secs_f64(cli.seconds),
+                    only: cli.only,
+                };
+                report::compare(&cli.connections, &plan).await
             }
         }
     })

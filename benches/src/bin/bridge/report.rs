@@ -5,46 +5,64 @@ use std::time::Duration;
 use anyhow::Result;
 
 use benches::control;
+use clap::ValueEnum;
 
 use crate::load::{self, Request, Sample};
-use crate::processes;
+use crate::processes::{self, Part};
 
 /// The command every request carries: the thesis's home pose, in the words of each route.
 const LEGACY: &str = r#"{"x":985,"y":0,"z":940,"w":-180,"p":0,"r":0}"#;
 const MOTION: &str = r#"{"type":"JOINT","target":{"pose":{"x_mm":985,"y_mm":0,"z_mm":940,"w_deg":-180,"p_deg":0,"r_deg":0}},"speed_mm_s":200}"#;
 const MINIMAL: &str = "[985,0,940,-180,0,0]";
 
+/// What is measured in turn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Variant {
+    /// Connect, send, receive, without a server.
+    Raw,
+    /// The least that can be called a bridge.
+    Minimal,
+    /// The tier-0 route.
+    Move,
+    /// The versioned route.
+    Motions,
+    /// A bare route.
+    Bare,
+}
+
+/// What is measured, and for how long.
+#[derive(Clone, Debug)]
+pub(crate) struct Plan {
+    pub(crate) repeats: usize,
+    pub(crate) slice: Duration,
+    pub(crate) only: Vec<Variant>,
+}
+
 /// How the connections are spread.
 #[derive(Clone, Copy)]
 struct Layout {
     connections: usize,
     robots: usize,
-    repeats: usize,
-    slice: Duration,
 }
 
 /// Measures and prints.
 #[expect(clippy::print_stdout, reason = "this is a command-line tool's report")]
-pub(crate) async fn compare(connections: &[usize], repeats: usize, slice: Duration) -> Result<()> {
+pub(crate) async fn compare(connections: &[usize], plan: &Plan) -> Result<()> {
     println!(
-        "requests a second (p50 / p99 in ms), medians of {repeats} repeats of {:.1} s; ratios are medians of the repeats' ratios",
-        slice.as_secs_f64()
+        "requests a second (p50 / p99 in ms), medians of {} repeats of {:.1} s; ratios are medians of the repeats' ratios",
+        plan.repeats,
+        plan.slice.as_secs_f64()
     );
     let bare = processes::start(&["bare".to_owned()]).await?;
     for &connections in connections {
         let mut robots = vec![1, connections];
         robots.dedup();
         for robots in robots {
-            measure(
-                bare.port,
-                Layout {
-                    connections,
-                    robots,
-                    repeats,
-                    slice,
-                },
-            )
-            .await?;
+            let layout = Layout {
+                connections,
+                robots,
+            };
+            measure(&bare, layout, plan).await?;
         }
     }
     println!(
@@ -55,13 +73,13 @@ pub(crate) async fn compare(connections: &[usize], repeats: usize, slice: Durati
 }
 
 #[expect(clippy::print_stdout, reason = "this is a command-line tool's report")]
-async fn measure(bare: u16, layout: Layout) -> Result<()> {
+async fn measure(bare: &Part, layout: Layout, plan: &Plan) -> Result<()> {
     let Layout {
         connections,
         robots,
-        repeats,
-        slice,
     } = layout;
+    let slice = plan.slice;
+    let wanted = |variant| plan.only.is_empty() || plan.only.contains(&variant);
     let robot = processes::start(&["robot".to_owned(), robots.to_string()]).await?;
     let first = robot.port.to_string();
     let served =
@@ -73,43 +91,51 @@ async fn measure(bare: u16, layout: Layout) -> Result<()> {
     let forwarded = |worker| format!("/move/{}", worker % robots);
     let hello = |_worker| "/".to_owned();
     let mut samples: [Vec<Sample>; 5] = Default::default();
-    for _ in 0..repeats {
+    for _ in 0..plan.repeats {
         let [raw, least, moved, motion, axum] = &mut samples;
-        raw.push(load::raw_tcp(robot.port, robots, connections, slice).await?);
-        let http = |port, path: &dyn Fn(usize) -> String, request| {
+        if wanted(Variant::Raw) {
+            raw.push(load::raw_tcp(robot.port, robots, connections, slice).await?);
+        }
+        let http = |server, path: &dyn Fn(usize) -> String, request| {
             let paths = (0..connections).map(path).collect();
-            load::over_http(port, paths, request, slice)
+            load::over_http(server, paths, request, slice)
         };
         let posted = |body, status| Request {
             body: Some(body),
             status,
             ..Request::default()
         };
-        least.push(http(minimal.port, &forwarded, posted(MINIMAL, 200)).await?);
-        // The thesis's routes drive one robot; with several, only the versioned route spreads over them.
-        if robots == 1 {
-            moved.push(http(served.port, &legacy, posted(LEGACY, 200)).await?);
+        if wanted(Variant::Minimal) {
+            least.push(http(&minimal, &forwarded, posted(MINIMAL, 200)).await?);
         }
-        // The thesis's routes are for whoever finds the cell free, the versioned ones for whoever has control.
-        let control = control::hold(served.port, "bench").await?;
-        let request = Request {
-            control: Some(control.token()),
-            ..posted(MOTION, 202)
-        };
-        motion.push(http(served.port, &motions, request).await?);
-        let _free = control.release().await?;
-        let page = Request {
-            status: 200,
-            ..Request::default()
-        };
-        axum.push(http(bare, &hello, page).await?);
+        // The thesis's routes drive one robot; with several, only the versioned route spreads over them.
+        if robots == 1 && wanted(Variant::Move) {
+            moved.push(http(&served, &legacy, posted(LEGACY, 200)).await?);
+        }
+        if wanted(Variant::Motions) {
+            // The thesis's routes are for whoever finds the cell free, the versioned ones for whoever has control.
+            let control = control::hold(served.port, "bench").await?;
+            let request = Request {
+                control: Some(control.token()),
+                ..posted(MOTION, 202)
+            };
+            motion.push(http(&served, &motions, request).await?);
+            let _free = control.release().await?;
+        }
+        if wanted(Variant::Bare) {
+            let page = Request {
+                status: 200,
+                ..Request::default()
+            };
+            axum.push(http(bare, &hello, page).await?);
+        }
     }
 
     let plural = if robots == 1 { "" } else { "s" };
     println!("\n{connections} connections, {robots} robot{plural}");
     println!(
-        "  {:<34} {:>9}  {:>15}  {:>7}  {:>10}",
-        "", "req/s", "p50 / p99 ms", "of raw", "of minimal"
+        "  {:<34} {:>9}  {:>15}  {:>7}  {:>10}  {:>10}",
+        "", "req/s", "p50 / p99 ms", "of raw", "of minimal", "cpu us/req"
     );
     let names = [
         "raw TCP connect, send, receive",
@@ -123,12 +149,13 @@ async fn measure(bare: u16, layout: Layout) -> Result<()> {
         if !variant.is_empty() {
             let figures = Figures::of(variant);
             println!(
-                "  {name:<34} {:>9.0}  {:>6.2} / {:>6.2}  {:>6.0}%  {:>9.0}%",
+                "  {name:<34} {:>9.0}  {:>6.2} / {:>6.2}  {:>6.0}%  {:>9.0}%  {:>10.1}",
                 figures.per_second,
                 figures.p50_ms,
                 figures.p99_ms,
                 ratio(variant, raw),
                 ratio(variant, least),
+                figures.cpu_us,
             );
         }
     }
@@ -139,6 +166,7 @@ struct Figures {
     per_second: f64,
     p50_ms: f64,
     p99_ms: f64,
+    cpu_us: f64,
 }
 
 impl Figures {
@@ -148,6 +176,7 @@ impl Figures {
             per_second: middle(|sample| sample.per_second),
             p50_ms: middle(|sample| sample.p50.as_secs_f64() * 1e3),
             p99_ms: middle(|sample| sample.p99.as_secs_f64() * 1e3),
+            cpu_us: middle(|sample| sample.cpu_us),
         }
     }
 }

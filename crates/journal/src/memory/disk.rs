@@ -9,7 +9,7 @@ use tokio::sync::oneshot;
 use super::MemoryOpenError;
 use crate::error::Cause;
 use crate::index::{Base, Index};
-use crate::rules::{MotionPhase, Verdict, wall_ms};
+use crate::rules::{Change, MotionPhase, Verdict, wall_ms};
 use crate::{
     AppendError, Appended, Clocks, Digest, Effect, Epoch, Head, KeyEntry, NewSnapshot, Opening,
     Position, Receipt, Record, Refusal, Retained, Room, Row, ServerStarted, Stored, Walker,
@@ -179,7 +179,7 @@ impl State {
             record: Record::ServerStarted(started),
         };
         let written = self.encode(stored).map_err(AppendError::Refused);
-        let written = written.and_then(|(row, stored)| self.write(row, &stored));
+        let written = written.and_then(|(row, stored)| self.write(row, &stored, None));
         if let Err(error) = written {
             self.open = None;
             return Err(MemoryOpenError::Write(error));
@@ -369,7 +369,7 @@ impl State {
             record,
         };
         let (row, stored) = self.encode(stored).map_err(AppendError::Refused)?;
-        self.ahead.apply(change, &at);
+        self.ahead.apply(change.clone(), &at);
         if self.holding == Holding::Held {
             self.ahead_head = head_of(&row);
             let (answer, wait) = oneshot::channel();
@@ -377,11 +377,13 @@ impl State {
                 .push(Waiting::Write(row, Box::new(stored), answer));
             return Ok(Wait::Held(wait));
         }
-        self.write(row, &stored).map(Wait::Ready)
+        self.write(row, &stored, Some(change)).map(Wait::Ready)
     }
 
     fn encode(&self, stored: Stored) -> Result<(Row, Stored), Refusal> {
-        let body = stored.encode().map_err(Refusal::TooLarge)?.into_bytes();
+        let body = stored.encode().map_err(Refusal::TooLarge)?;
+        // Kept for long, so no larger than it is.
+        let body = body.as_bytes().to_vec();
         let head = self.ahead_head.extend(&body);
         let row = Row {
             position: head.position,
@@ -392,8 +394,14 @@ impl State {
         Ok((row, stored))
     }
 
-    /// Makes a record durable, or lets happen what was asked for.
-    fn write(&mut self, row: Row, stored: &Stored) -> Result<Appended, AppendError> {
+    /// Makes a record durable, or lets happen what was asked for. `change` is what it was judged to change, where
+    /// nothing has been made durable since.
+    fn write(
+        &mut self,
+        row: Row,
+        stored: &Stored,
+        change: Option<Change>,
+    ) -> Result<Appended, AppendError> {
         if let Some(cause) = &self.poison {
             return Err(AppendError::Poisoned(Arc::clone(cause)));
         }
@@ -413,10 +421,15 @@ impl State {
         if kept {
             self.ahead_head = receipt.head;
             self.rows.push_back(row);
-            let _change = self
-                .durable
-                .replay(stored)
-                .expect("a record that was judged once is judged the same again");
+            match change {
+                Some(change) => self.durable.keep(stored, change),
+                None => {
+                    let _change = self
+                        .durable
+                        .replay(stored)
+                        .expect("a record that was judged once is judged the same again");
+                }
+            }
             match &stored.record {
                 Record::Pruned(pruned) => self.forget_through(Base::of(pruned)),
                 Record::SnapshotTaken(_) => self.forget_bodies(),
@@ -466,7 +479,7 @@ impl State {
         self.holding = Holding::Syncing;
         for waiting in std::mem::take(&mut self.waiting) {
             let (answer, appended) = match waiting {
-                Waiting::Write(row, stored, answer) => (answer, self.write(row, &stored)),
+                Waiting::Write(row, stored, answer) => (answer, self.write(row, &stored, None)),
                 Waiting::Replay(entry, answer) => (answer, self.replayed(&entry)),
             };
             // Whoever has gone away learns it from a read.

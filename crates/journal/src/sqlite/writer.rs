@@ -13,11 +13,12 @@ use super::lock::Lock;
 use super::reader;
 use super::reserve::Reserve;
 use super::store::{CommitError, Store};
+use crate::envelope::encode;
 use crate::error::{Cause, is_full};
 use crate::rules::Verdict;
 use crate::{
     AppendError, Appended, Clocks, Effect, Head, KeyEntry, NewSnapshot, Position, Pruned, Pruning,
-    Receipt, Record, Refusal, Replay, Room, Row, Stored,
+    Receipt, Record, Refusal, Replay, Room, Row,
 };
 
 /// Requests of one transaction.
@@ -378,13 +379,9 @@ async fn keep_own(
 
 fn row(store: &Store, at: Clocks, record: &Record) -> Result<Row, Refusal> {
     let position: Position = store.head.position.next();
-    let stored = Stored {
-        position,
-        epoch: store.epoch,
-        at,
-        record: record.clone(),
-    };
-    let body = stored.encode().map_err(Refusal::TooLarge)?.into_bytes();
+    let body = encode(position, store.epoch, at, record)
+        .map_err(Refusal::TooLarge)?
+        .into_bytes();
     let head = store.head.extend(&body);
     Ok(Row {
         position,
