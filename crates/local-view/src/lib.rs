@@ -1,6 +1,6 @@
 //! What the emulators' HTTP views have in common: they are for the people and the tests at this machine.
 //!
-//! [`serve`] bounds what a client can hold, [`Door`] keeps pages of other origins out, [`problem`] words an error.
+//! [`serve()`] bounds what a client can hold, [`Door`] keeps pages of other origins out, [`problem()`] words an error.
 //!
 //! ```
 //! use axum::Router;

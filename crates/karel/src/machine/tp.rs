@@ -149,7 +149,7 @@ impl Exec<'_> {
         Ok(arguments)
     }
 
-    /// Whether the signal RSR[n] starts its program.
+    /// Whether the signal `RSR[n]` starts its program.
     fn tp_enable_request(&mut self, index: Index, on: bool) -> Result<Flow, Fault> {
         let n = self.tp_index(index)?;
         let done = self.host.enable_request(self.id, n, on);
