@@ -191,7 +191,7 @@ async fn the_examples_of_the_openapi_document_work_when_they_are_tried() -> anyh
             }
         }
     }
-    assert_eq!(bodies, 23);
+    assert_eq!(bodies, 24);
     cell.shutdown().await
 }
 
