@@ -101,5 +101,5 @@ fn torques(arm: &ArmDescription, answer: &ArmInverseDynamicsResult) -> String {
             unit.to_owned(),
         ]);
     }
-    format!("{} W\n\n{table}", thousandths(answer.power_w))
+    format!("{} W of mechanical power\n\n{table}", thousandths(answer.power_w))
 }
