@@ -101,5 +101,8 @@ fn torques(arm: &ArmDescription, answer: &ArmInverseDynamicsResult) -> String {
             unit.to_owned(),
         ]);
     }
-    format!("{} W of mechanical power\n\n{table}", thousandths(answer.power_w))
+    format!(
+        "{} W of mechanical power\n\n{table}",
+        thousandths(answer.power_w)
+    )
 }
